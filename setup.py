@@ -46,8 +46,12 @@ setup(
     long_description="Built from source for the machine that it is installed on: it links the shared "
                      "libraries of that system (Debian 12), and is no manylinux wheel.",
     license="Apache-2.0",
+    classifiers=["Intended Audience :: Science/Research", "Operating System :: POSIX :: Linux",
+                 "Programming Language :: C++", "Programming Language :: Python :: 3.11",
+                 "Topic :: Multimedia :: Graphics :: 3D Rendering"],
     python_requires=">=3.10",
     packages=[],
+    entry_points={"console_scripts": ["tessera = tessera.__main__:main"]},
     ext_modules=[Extension("tessera._core", [])],
     cmdclass={"build_ext": BuildByCMake},
 )

@@ -18,6 +18,10 @@ class Cancellation {
 
   /// The flag of this thread; null: none.
   static const std::atomic<bool>* current() { return current_; }
+  /// Throws WorkCancelled where the flag of this thread is set: for long work on one thread.
+  static void check() {
+    if (current_ && current_->load(std::memory_order_relaxed)) throw WorkCancelled{};
+  }
 
  private:
   static inline thread_local const std::atomic<bool>* current_ = nullptr;

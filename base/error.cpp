@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -22,14 +23,95 @@ std::string SourcePlace::str() const {
   return fmt::format("{}:{}:{}", file, line, column);
 }
 
+namespace {
+
+constexpr std::string_view kExpected = "; expected ";
+constexpr std::string_view kSuggested = "; did you mean '", kSuggestionEnd = "'?";
+
+/// Takes what suggestion() gave off the end of `text`, and returns the name in it.
+std::string take_suggestion(std::string_view& text) {
+  const size_t at = text.rfind(kSuggested);
+  if (at == std::string_view::npos || !text.ends_with(kSuggestionEnd)) return "";
+  std::string_view name = text.substr(at + kSuggested.size());
+  if (name.size() < kSuggestionEnd.size()) return "";
+  name.remove_suffix(kSuggestionEnd.size());
+  text = text.substr(0, at);
+  return std::string(name);
+}
+
+bool is_in_word(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return std::isalnum(byte) || c == '_' || byte >= 0x80;
+}
+
+/// The length of what begins at the first byte of `text`, which is not empty.
+size_t word_length(std::string_view text) {
+  const char first = text.front();
+  if (first == '"' || first == '\'') {
+    for (size_t at = 1; at < text.size() && text[at] != '\n' && text[at] != '\r'; ++at) {
+      if (text[at] == '\\') {
+        ++at;
+      } else if (text[at] == first) {
+        return at + 1;
+      }
+    }
+    return 1;
+  }
+  size_t length = std::string_view("+-.").find(first) != std::string_view::npos ? 1 : 0;
+  while (length < text.size() && (is_in_word(text[length]) || text[length] == '.')) {
+    const bool exponent = (text[length] == 'e' || text[length] == 'E') &&
+                          text.size() > length + 2 &&
+                          std::isdigit(static_cast<unsigned char>(text[length + 2])) &&
+                          std::isdigit(static_cast<unsigned char>(text[length - (length > 0)]));
+    length += exponent && (text[length + 1] == '-' || text[length + 1] == '+') ? 2 : 1;
+  }
+  return std::max<size_t>(length, 1);
+}
+
+}  // namespace
+
+Diagnostic make_diagnostic(SourcePlace place, std::string_view found, std::string_view expected) {
+  Diagnostic out{.place = std::move(place), .found = {}};
+  if (expected.empty()) {
+    out.suggestion = take_suggestion(found);
+    const size_t at = found.find(kExpected);
+    if (at != std::string_view::npos) {
+      expected = found.substr(at + kExpected.size());
+      found = found.substr(0, at);
+    }
+  } else {
+    out.suggestion = take_suggestion(expected);
+  }
+  out.found = escape_controls(found, true);
+  out.expected = escape_controls(expected, true);
+  return out;
+}
+
+SourcePlace end_of_word(std::string_view text, const SourcePlace& place) {
+  if (place.line < 1 || place.column < 1) return {};
+  size_t at = 0;
+  for (int line = 1; line < place.line; ++line) {
+    const size_t end = text.find_first_of("\r\n", at);
+    if (end == std::string_view::npos) return {};
+    at = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+  }
+  const size_t line_end = std::min(text.find_first_of("\r\n", at), text.size());
+  at += static_cast<size_t>(place.column) - 1;
+  if (at > line_end) return {};
+  SourcePlace end = place;
+  if (at < line_end) end.column += static_cast<int>(word_length(text.substr(at, line_end - at)));
+  return end;
+}
+
 Error scene_error(const SourcePlace& place, std::string_view found, std::string_view expected) {
   return Error(ExitCode::bad_scene,
                escape_controls(fmt::format("{}: {}{}{}", place.str(), found,
-                                           expected.empty() ? "" : "; expected ", expected)));
+                                           expected.empty() ? "" : kExpected, expected)),
+               {make_diagnostic(place, found, expected)});
 }
 
-Error scene_error(std::string_view message) {
-  return Error(ExitCode::bad_scene, escape_controls(message, true));
+Error scene_error(std::string_view message, std::vector<Diagnostic> diagnostics) {
+  return Error(ExitCode::bad_scene, escape_controls(message, true), std::move(diagnostics));
 }
 
 Error usage_error(std::string_view message) {
@@ -141,7 +223,7 @@ std::optional<std::string> nearest_name(std::string_view name,
 
 std::string suggestion(std::string_view name, std::span<const std::string> candidates) {
   const auto nearest = nearest_name(name, candidates);
-  return nearest ? fmt::format("; did you mean '{}'?", *nearest) : "";
+  return nearest ? fmt::format("{}{}{}", kSuggested, *nearest, kSuggestionEnd) : "";
 }
 
 void check_failed(const char* file, int line, const char* condition, const std::string& values) {

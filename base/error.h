@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace tessera {
 
@@ -17,6 +20,21 @@ struct SourcePlace {
   /// "file:line:column", leaving out what is not known.
   std::string str() const;
 };
+
+/// What is wrong at one place, in the parts that a message is made of. Columns count bytes.
+struct Diagnostic {
+  SourcePlace place;         ///< of an empty file: not known
+  SourcePlace end{};         ///< just behind what is meant, in the same file; line 0: not known
+  std::string found;         ///< or the whole message, where it has no parts
+  std::string expected{};    ///< without the suggestion
+  std::string suggestion{};  ///< what may have been meant: the name alone; empty: nothing is near
+};
+/// The parts of what scene_error(place, found, expected) says, where either may end in what
+/// suggestion() gives, and `found` may have "; expected " in it.
+Diagnostic make_diagnostic(SourcePlace place, std::string_view found, std::string_view expected);
+/// The place behind the word, number, quoted text or else single character at `place` of `text`;
+/// line 0 where `text` has no such place.
+SourcePlace end_of_word(std::string_view text, const SourcePlace& place);
 
 /// The process exit codes of the command-line contract.
 enum class ExitCode {
@@ -39,16 +57,22 @@ ExitCode to_exit_code(uint32_t number);
 /// what was expected".
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  Error(ExitCode code, const std::string& message, std::vector<Diagnostic> diagnostics = {})
+      : std::runtime_error(message),
+        code_(code),
+        diagnostics_(std::make_shared<const std::vector<Diagnostic>>(std::move(diagnostics))) {}
   ExitCode code() const { return code_; }
+  /// What the message says of places, in its order; empty where it names none.
+  const std::vector<Diagnostic>& diagnostics() const { return *diagnostics_; }
 
  private:
   ExitCode code_;
+  std::shared_ptr<const std::vector<Diagnostic>> diagnostics_;  ///< so that copying throws nothing
 };
 
 /// The scene, or a file that it names, is wrong (exit code 1).
 Error scene_error(const SourcePlace& place, std::string_view found, std::string_view expected);
-Error scene_error(std::string_view message);
+Error scene_error(std::string_view message, std::vector<Diagnostic> diagnostics = {});
 /// The command line is wrong (exit code 2).
 Error usage_error(std::string_view message);
 /// Rendering or writing failed (exit code 3).

@@ -17,24 +17,23 @@
 #include <utility>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "base/descriptors.h"
 #include "base/error.h"
 #include "base/folder.h"
+#include "base/input_scope.h"
+#include "base/missing_file.h"
 #include "base/open_file.h"
+#include "base/open_input.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
-
-FileHandle open_to_read(const std::string& path) {
-  const SpareDescriptors spare;
-  return FileHandle(std::fopen(path.c_str(), "rb"));
+/// As scene_error() of a whole message.
+Error file_error(const std::string& path, std::string_view found) {
+  return scene_error(fmt::format("{}: {}", path, found), {make_diagnostic({path}, found, "")});
 }
 
 /// "; did you mean 'x'?" for the file beside `path` that is nearest to it.
@@ -54,31 +53,48 @@ std::string near_file(const fs::path& path) {
 
 }  // namespace
 
+bool is_input_file(const fs::path& path) {
+  InputScope::note(path);
+  std::error_code ignored;
+  return InputScope::text_of(path) != nullptr || fs::is_regular_file(path, ignored);
+}
+
+namespace {
+
+uint64_t check_size(const std::string& path, uint64_t size, uint64_t max_bytes) {
+  if (size == 0) throw file_error(path, "the file is empty");
+  if (size > max_bytes) {
+    throw file_error(path,
+                     fmt::format("the file has {} bytes; expected at most {}", size, max_bytes));
+  }
+  return size;
+}
+
+}  // namespace
+
 uint64_t check_input_file(const std::string& path, uint64_t max_bytes) {
+  InputScope::note(path);
+  if (const auto text = InputScope::text_of(path)) return check_size(path, text->size(), max_bytes);
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (status.type() == fs::file_type::not_found)
-    throw scene_error(fmt::format("{}: no such file{}", path, near_file(path)));
-  if (failure) throw scene_error(fmt::format("{}: {}", path, failure.message()));
-  if (fs::is_directory(status))
-    throw scene_error(fmt::format("{}: is a folder; expected a file", path));
-  if (!fs::is_regular_file(status)) throw scene_error(fmt::format("{}: is no regular file", path));
+    throw MissingFileError(path, fmt::format("no such file{}", near_file(path)));
+  if (failure) throw file_error(path, failure.message());
+  if (fs::is_directory(status)) throw file_error(path, "is a folder; expected a file");
+  if (!fs::is_regular_file(status)) throw file_error(path, "is no regular file");
   const uint64_t size = fs::file_size(path, failure);
-  if (failure) throw scene_error(fmt::format("{}: {}", path, failure.message()));
-  if (size == 0) throw scene_error(fmt::format("{}: the file is empty", path));
-  if (size > max_bytes)
-    throw scene_error(
-        fmt::format("{}: the file has {} bytes; expected at most {}", path, size, max_bytes));
-  return size;
+  if (failure) throw file_error(path, failure.message());
+  return check_size(path, size, max_bytes);
 }
 
 std::string read_input_file(const std::string& path, uint64_t max_bytes) {
   const uint64_t size = check_input_file(path, max_bytes);
-  const FileHandle file = open_to_read(path);
-  if (!file) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
+  if (const auto text = InputScope::text_of(path)) return *text;
+  const InputFile file = open_input_file(path);
+  if (!file) throw file_error(path, std::strerror(errno));
   std::string bytes(size, '\0');
   const size_t got = std::fread(bytes.data(), 1, size, file.get());
-  if (std::ferror(file.get())) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
+  if (std::ferror(file.get())) throw file_error(path, std::strerror(errno));
   bytes.resize(got);
   return bytes;
 }
@@ -152,8 +168,13 @@ class UnfinishedFile {
   }
 
   bool write(std::string_view bytes) {
-    return write_all(file_, std::as_bytes(std::span(bytes))) && ::fsync(file_) == 0 &&
-           ::close(std::exchange(file_, -1)) == 0;
+    constexpr size_t kPiece = size_t{16} << 20;
+    for (size_t at = 0; at < bytes.size(); at += kPiece) {
+      const std::atomic<bool>* const cancelled = Cancellation::current();
+      if (cancelled && *cancelled) throw WorkCancelled{};
+      if (!write_all(file_, std::as_bytes(std::span(bytes.substr(at, kPiece))))) return false;
+    }
+    return ::fsync(file_) == 0 && ::close(std::exchange(file_, -1)) == 0;
   }
 
   bool rename_to(const fs::path& place) {
@@ -211,6 +232,7 @@ std::optional<fs::path> resolve_inside(const fs::path& folder, const std::string
   const fs::path root = fs::weakly_canonical(folder.empty() ? "." : folder, failure);
   if (failure) return std::nullopt;
   const fs::path target = fs::weakly_canonical(root / relative, failure);
+  InputScope::note(root / relative);
   if (failure) return std::nullopt;
   const fs::path inside = target.lexically_relative(root);
   if (inside.empty() || *inside.begin() == "..") return std::nullopt;

@@ -12,8 +12,10 @@ namespace tessera {
 /// Throws scene_error where `path` is missing, a folder, no regular file, empty, unreadable or
 /// longer than `max_bytes`; returns its length.
 uint64_t check_input_file(const std::string& path, uint64_t max_bytes);
-/// The whole file, under the same conditions.
+/// The whole file, under the same conditions. Of these two and is_input_file(), see InputScope.
 std::string read_input_file(const std::string& path, uint64_t max_bytes);
+/// Whether there is a regular file at `path`, or a text that stands for one.
+bool is_input_file(const std::filesystem::path& path);
 /// Throws usage_error, with `option` before it, where `output` is the file `input` itself, by
 /// whatever name.
 void check_not_input(const std::string& output, const std::string& input, std::string_view option);
@@ -25,7 +27,8 @@ std::filesystem::path output_place(const std::filesystem::path& path);
 void check_output_file(const std::string& path, std::string_view option = {});
 /// Writes beside `path`, syncs and renames: the file appears whole or not at all, and what was
 /// there stays until then. A link is kept and its target replaced; a device, FIFO, socket or folder
-/// is never replaced. Throws render_error. One call at a time.
+/// is never replaced. Throws render_error, and WorkCancelled where this thread's Cancellation asks
+/// for an end before all is written. One call at a time.
 void write_output_file(const std::string& path, std::string_view bytes);
 /// Whether a file of that name is what a killed process left of a write_output_file.
 bool is_unfinished_output(std::string_view name);

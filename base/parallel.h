@@ -27,8 +27,13 @@ void for_each_parallel(size_t count, int threads, const Work& work) {
   const auto run = [&] {
     for (size_t i = next++; i < count; i = next++) {
       try {
-        if (cancelled && cancelled->load(std::memory_order_relaxed)) throw WorkCancelled{};
+        Cancellation::check();
         work(i);
+      } catch (const WorkCancelled&) {
+        const std::lock_guard lock(mutex);
+        failed = 0;
+        failure = std::current_exception();
+        next = count;  // none of the rest is looked at
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (i >= failed) continue;

@@ -8,6 +8,7 @@
 #include <spawn.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -30,7 +31,9 @@ class SpawnSettings {
     } else {
       posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     }
-    if (streams.discards_output) {
+    if (streams.standard_output >= 0) {
+      posix_spawn_file_actions_adddup2(&actions_, streams.standard_output, STDOUT_FILENO);
+    } else if (streams.discards_output) {
       posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     }
     posix_spawnattr_init(&attributes_);
@@ -95,6 +98,11 @@ void check_room_for_threads(int count) {
                                    count, needed >> 20));
   }
   munmap(room, needed);
+}
+
+void lower_priority(int nice) {
+  // Between 0 and 19 it cannot fail, and more is taken for 19.
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + std::max(nice, 0));
 }
 
 int wait_for_process(pid_t process) {

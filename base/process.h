@@ -9,6 +9,7 @@ namespace tessera {
 
 struct ProcessStreams {
   int standard_input = -1;       ///< a descriptor that the process gets as its own; -1: nothing
+  int standard_output = -1;      ///< likewise; -1: ours
   bool discards_output = false;  ///< standard output; errors are always shared with us
 };
 
@@ -26,6 +27,10 @@ int core_count();
 void check_room_for_threads(int count);
 /// How many of them a transport over sockets starts, at the most.
 inline constexpr int kTransportThreads = 3;
+
+/// Lowers the priority of this process by so many nice levels, more than 0; of the threads that it
+/// starts from now on, and of the calling one.
+void lower_priority(int nice);
 
 /// Waits until it ends; its status as waitpid() tells it.
 int wait_for_process(pid_t process);

@@ -3,11 +3,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
 
 namespace tessera {
@@ -37,8 +39,10 @@ namespace {
 /// The word or number behind `name` in a file of lines "NAME VALUE".
 std::string value_in(const std::filesystem::path& path, const std::string& name) {
   std::ifstream file(path);
-  for (std::string word, value; file >> word >> value;) {
-    if (word == name) return value;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string word, value;
+    if (words >> word >> value && word == name) return value;
   }
   return "";
 }
@@ -57,6 +61,44 @@ std::string word_in(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+double cpu_seconds_of(int process) {
+  const std::string text = [process] {
+    std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  }();
+  // The name before it, in brackets, may hold anything.
+  const size_t name_end = text.rfind(')');
+  if (name_end == std::string::npos) return 0;
+  std::istringstream fields(text.substr(name_end + 1));
+  std::string skipped;
+  constexpr int kBeforeTimes = 11;
+  for (int i = 0; i < kBeforeTimes; ++i) fields >> skipped;
+  uint64_t user = 0, system = 0;
+  if (!(fields >> user >> system)) return 0;
+  return static_cast<double>(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+MachineUsage machine_usage() {
+  MachineUsage usage;
+  std::ifstream file("/proc/stat");
+  std::string name;
+  file >> name;
+  // user, nice, system, idle, iowait, irq, softirq, steal
+  constexpr int kFields = 8, kIdle = 3, kWaiting = 4;
+  const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
+  uint64_t count = 0;
+  for (int i = 0; i < kFields && file >> count; ++i) {
+    const double seconds = static_cast<double>(count) / ticks;
+    usage.all_seconds += seconds;
+    if (i != kIdle && i != kWaiting) usage.busy_seconds += seconds;
+  }
+  constexpr uint64_t kKibi = 1024;
+  usage.memory_bytes = kKibi * number_of(value_in("/proc/meminfo", "MemTotal:"));
+  const uint64_t available = kKibi * number_of(value_in("/proc/meminfo", "MemAvailable:"));
+  usage.used_bytes = usage.memory_bytes - std::min(available, usage.memory_bytes);
+  return usage;
+}
 
 uint64_t memory_kills() {
   // "0::/GROUP" in version 2 of cgroups, "5:memory:/GROUP" in version 1, whose limit is a number in

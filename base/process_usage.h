@@ -13,6 +13,16 @@ struct ProcessUsage {
 };
 ProcessUsage process_usage();
 
+/// Processor time of all threads of another process of this machine; 0 where there is none.
+double cpu_seconds_of(int process);
+
+/// What this machine has done since it was started, and has in memory; 0 where it does not tell.
+struct MachineUsage {
+  double busy_seconds = 0, all_seconds = 0;  ///< of all cores
+  uint64_t used_bytes = 0, memory_bytes = 0;
+};
+MachineUsage machine_usage();
+
 /// Processor time that the calling thread has had.
 std::chrono::nanoseconds thread_time();
 

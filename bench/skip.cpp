@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "bench/error/statistics.h"
@@ -16,116 +13,95 @@
 namespace tessera {
 namespace {
 
-struct Shot {
-  std::vector<float> values;
-  CounterMap counters;
-  double seconds = 0;
+/// A scene that was built once and is rendered many times.
+class BuiltScene {
+ public:
+  BuiltScene(const LoadedScene& loaded, const v1::FrameSettings& frame)
+      : whole_{0, 0, static_cast<int>(frame.width()), static_cast<int>(frame.height())},
+        samples_(frame.samples_per_pixel()),
+        renderer_(make_tile_renderer(loaded.scene, loaded.blobs, frame, 1)) {}
+
+  TilePixels render(double& seconds) const {
+    TileProgress progress;
+    const double start = thread_seconds();
+    auto tile = renderer_->render({whole_, 0, samples_}, progress);
+    seconds = thread_seconds() - start;
+    return std::move(*tile);
+  }
+  int64_t sum_of(const std::vector<std::string>& names, const TilePixels& tile) const {
+    CounterMap counters = renderer_->build_counters();
+    for (const auto& [name, count] : tile.counters) counters[name] += count;
+    int64_t sum = 0;
+    for (const std::string& name : names) {
+      const bool is_negative = name.starts_with('-');
+      const auto found = counters.find(is_negative ? name.substr(1) : name);
+      if (found == counters.end()) continue;
+      const auto count = static_cast<int64_t>(found->second);
+      sum += is_negative ? -count : count;
+    }
+    return sum;
+  }
+
+ private:
+  PixelRect whole_;
+  uint32_t samples_;
+  std::shared_ptr<const TileRenderer> renderer_;
 };
-
-Shot render(const LoadedScene& loaded, const v1::FrameSettings& frame, const Skips& skips) {
-  Shot shot;
-  const double start = thread_seconds();
-  const auto renderer = make_tile_renderer(loaded.scene, loaded.blobs, frame, 1, {}, skips);
-  TileProgress progress;
-  const PixelRect whole{0, 0, static_cast<int>(frame.width()), static_cast<int>(frame.height())};
-  auto tile = renderer->render({whole, 0, frame.samples_per_pixel()}, progress);
-  shot.seconds = thread_seconds() - start;
-  shot.values = std::move(tile->values);
-  shot.counters = renderer->build_counters();
-  for (const auto& [name, count] : tile->counters) shot.counters[name] += count;
-  return shot;
-}
-
-int64_t sum_of(const CounterMap& counters, const std::vector<std::string>& names) {
-  int64_t sum = 0;
-  for (const std::string& name : names) {
-    const bool is_negative = name.starts_with('-');
-    const auto found = counters.find(is_negative ? name.substr(1) : name);
-    if (found == counters.end()) continue;
-    const auto count = static_cast<int64_t>(found->second);
-    sum += is_negative ? -count : count;
-  }
-  return sum;
-}
-
-double difference_of(const std::vector<float>& a, const std::vector<float>& b, SkipBound bound) {
-  double largest = 0, squares = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    const double apart = std::abs(double{a[i]} - double{b[i]});
-    largest = std::max(largest, apart / std::max(1.0, std::abs(double{a[i]})));
-    squares += apart * apart;
-  }
-  return bound == SkipBound::rms ? std::sqrt(squares / static_cast<double>(a.size())) : largest;
-}
-
-void compare(const Shot& off, const Shot& on, const SkipCase& skip, SkipRow& row) {
-  row.same_bits =
-      off.values.size() == on.values.size() &&
-      std::memcmp(off.values.data(), on.values.data(), off.values.size() * sizeof(float)) == 0;
-  row.difference = difference_of(off.values, on.values, skip.bound);
-  row.within = row.same_bits || (skip.bound != SkipBound::bits && row.difference <= skip.limit);
-  row.skipped = static_cast<uint64_t>(
-      std::max<int64_t>(0, sum_of(on.counters, skip.skipped) - sum_of(off.counters, skip.skipped)));
-  row.of = static_cast<uint64_t>(std::max<int64_t>(0, sum_of(on.counters, skip.of)));
-}
 
 }  // namespace
 
-SkipRow bench_skip(const SkipCase& skip, const SkipBenchOptions& options) {
-  const LoadedScene loaded = skip.make();
+SkipRow bench_skip(const UnneededKind& kind, const SkipBenchOptions& options) {
+  LoadedScene loaded = skip_bench_scene();
   v1::FrameSettings frame = complete({}, loaded.scene.settings());
   if (options.quick) {
     frame.set_width(std::max(1u, frame.width() / 4));
     frame.set_height(std::max(1u, frame.height() / 4));
   }
-  Skips without;
-  without.*skip.skip = false;
-  SkipRow row{.name = skip.name, .scene = skip.scene, .bound = skip.bound, .limit = skip.limit};
-  compare(render(loaded, frame, without), render(loaded, frame, {}), skip, row);
-  std::vector<double> off, on, savings;
+  const BuiltScene without(loaded, frame);
+  kind.add(loaded);
+  const BuiltScene with(loaded, frame);
+
+  SkipRow row{.name = kind.name, .description = kind.description};
+  double seconds = 0, seconds_with = 0;
+  const TilePixels tile = without.render(seconds), tile_with = with.render(seconds_with);
+  row.same_bits = tile.values == tile_with.values;
+  row.left_out = with.sum_of(kind.counters, tile_with) - without.sum_of(kind.counters, tile);
+  std::vector<double> all, all_with, ratios;
   for (int i = 0; i < options.repeats; ++i) {
-    off.push_back(render(loaded, frame, without).seconds);
-    on.push_back(render(loaded, frame, {}).seconds);
-    savings.push_back(1 - on.back() / off.back());
+    without.render(seconds);
+    with.render(seconds_with);
+    all.push_back(seconds);
+    all_with.push_back(seconds_with);
+    ratios.push_back(seconds_with / seconds);
   }
-  row.seconds_off = median(std::move(off));
-  row.seconds_on = median(std::move(on));
-  row.saving = median(std::move(savings));
+  row.seconds = median(std::move(all));
+  row.seconds_with = median(std::move(all_with));
+  row.ratio = median(std::move(ratios));
   return row;
 }
 
 std::string skip_table(const std::vector<SkipRow>& rows) {
-  std::string text = fmt::format("{:18} {:44} {:>22} {:>12} {:>12} {:>9} {:>9} {:>8}\n", "skip",
-                                 "scene", "same bits", "skipped", "of", "off s", "on s", "saving");
+  std::string text =
+      fmt::format("{:20} {:44} {:>9} {:>10} {:>9} {:>9} {:>7}\n", "unneeded", "a thousand of these",
+                  "same bits", "left out", "s without", "s with", "ratio");
   for (const SkipRow& row : rows) {
-    const char* measure = row.bound == SkipBound::rms ? "rms " : "";
-    const std::string same = row.same_bits
-                                 ? "yes"
-                                 : fmt::format("{}{:.1e} of {:.0e}{}", measure, row.difference,
-                                               row.limit, row.within ? "" : " BEYOND");
-    text += fmt::format("{:18} {:44} {:>22} {:12} {:12} {:9.4f} {:9.4f} {:6.1f} %\n", row.name,
-                        row.scene, same, row.skipped, row.of, row.seconds_off, row.seconds_on,
-                        100 * row.saving);
+    text += fmt::format("{:20} {:44} {:>9} {:10} {:9.4f} {:9.4f} {:7.3f}{}\n", row.name,
+                        row.description, row.same_bits ? "yes" : "NO", row.left_out, row.seconds,
+                        row.seconds_with, row.ratio, row.ratio > kMostSkipRatio ? " BEYOND" : "");
   }
   return text;
 }
 
 std::string skip_json(const std::vector<SkipRow>& rows) {
-  constexpr std::array kBounds{"bits", "largest", "rms"};
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const SkipRow& row : rows) {
-    list.push_back({{"skip", row.name},
-                    {"scene", row.scene},
+    list.push_back({{"unneeded", row.name},
+                    {"description", row.description},
                     {"same_bits", row.same_bits},
-                    {"bound", kBounds[static_cast<size_t>(row.bound)]},
-                    {"limit", row.limit},
-                    {"difference", row.difference},
-                    {"within", row.within},
-                    {"skipped", row.skipped},
-                    {"of", row.of},
-                    {"seconds_off", row.seconds_off},
-                    {"seconds_on", row.seconds_on},
-                    {"saving", row.saving}});
+                    {"left_out", row.left_out},
+                    {"seconds_without", row.seconds},
+                    {"seconds_with", row.seconds_with},
+                    {"ratio", row.ratio}});
   }
   return nlohmann::ordered_json{{"rows", list}}.dump(2) + "\n";
 }

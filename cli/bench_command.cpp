@@ -56,11 +56,13 @@ void add_bench_command(CLI::App& app, Action& action) {
       "  tessera bench farm bunny.obj --workers 4\n"
       "  tessera bench error cornell\n"
       "  tessera bench skip\n"
+      "  tessera bench studio --browser chromium\n"
       "'tessera help bench KIND' tells all about one of them.");
   add_tracing_benches(*command, action);
   add_precision_and_growth_benches(*command, action);
   add_error_bench(*command, action);
   add_skip_bench(*command, action);
+  add_studio_bench(*command, action);
   CLI::App* farm = command->add_subcommand("farm", "What distribution costs");
   farm->footer(
       "Pairs are measured in turns; seconds are medians, ratios medians of the pairs' ratios.\n"

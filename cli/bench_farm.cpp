@@ -18,6 +18,7 @@
 #include "base/error.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "base/temporary_folder.h"
 #include "bench/error/statistics.h"
 #include "cli/bench_first_tile.h"
 #include "cli/bench_scene_transfer.h"
@@ -34,27 +35,6 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-
-/// A folder that is gone with this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tessera-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw render_error("no temporary folder can be made");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string path() const { return path_.string(); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string write_spheres(const TemporaryFolder& folder, int side) {
   const LoadedScene spheres = generate_scene(fmt::format("spheres:{}", side));
@@ -149,7 +129,7 @@ const std::vector<std::string>& bench_farm_kinds() {
 }
 
 json bench_farm(const BenchFarmOptions& options) {
-  const TemporaryFolder folder;
+  const TemporaryFolder folder("tessera-bench");
   const std::vector<std::pair<std::string, std::function<json()>>> kinds{
       {"frame", [&] { return processes_row(options, folder, 16); }},
       {"frame", [&] { return processes_row(options, folder, 4); }},

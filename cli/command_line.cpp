@@ -36,7 +36,7 @@ constexpr char kFooter[] =
     "'tessera help COMMAND' tells all about a command.\n"
     "Exit codes: 0 done; 1 the scene or its data is wrong; 2 the command line is wrong;\n"
     "3 rendering failed (the picture, with holes marked, is still written); 4 interrupted;\n"
-    "75 not now, such as a port in use or a full disk: try again.";
+    "75 not now, such as a port in use or a store on a full disk: try again.";
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -179,6 +179,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
 
   Action action;
   add_render_command(app, action);
+  add_studio_command(app, action);
   add_serve_command(app, action);
   add_worker_command(app, action);
   add_keygen_command(app, action);

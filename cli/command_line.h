@@ -17,6 +17,7 @@ using Action = std::function<ExitCode()>;
 void add_render_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
 void add_worker_command(CLI::App& app, Action& action);
+void add_studio_command(CLI::App& app, Action& action);
 void add_keygen_command(CLI::App& app, Action& action);
 void add_submit_command(CLI::App& app, Action& action);
 /// status, pause, resume and cancel.
@@ -31,6 +32,7 @@ void add_tracing_benches(CLI::App& bench, Action& action);
 void add_precision_and_growth_benches(CLI::App& bench, Action& action);
 void add_error_bench(CLI::App& bench, Action& action);
 void add_skip_bench(CLI::App& bench, Action& action);
+void add_studio_bench(CLI::App& bench, Action& action);
 
 /// One line on standard error for the exception that is being handled, and the exit code that it
 /// asks for: 3 unless it is an Error.

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/all_failures.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "cli/add_options.h"
@@ -16,7 +18,7 @@
 #include "cli/say.h"
 #include "client/farm_client.h"
 #include "client/job_client.h"
-#include "front/all_failures.h"
+#include "front/animation_files.h"
 #include "front/farm_connection.h"
 #include "front/job_name.h"
 #include "front/job_orders.h"
@@ -32,7 +34,8 @@ namespace {
 constexpr char kFetchFooter[] =
     "Fetches the light of each frame and makes pictures of it as 'tessera render' does; those of "
     "an\n"
-    "animation go to NAME.NNNN.png. The job stays, so that this can be done again.\n"
+    "animation go to NAME.NNNN.png, or all to one .gif or .apng. The job stays, so that this can\n"
+    "be done again.\n"
     "Examples:\n"
     "  tessera fetch 7                                    NAME.png, if it is done\n"
     "  tessera fetch 7 --wait -o room.png -o room.exr\n"
@@ -46,6 +49,7 @@ struct FetchOptions {
   std::string job;
   std::vector<std::filesystem::path> outputs;
   OutputOptions output;
+  std::optional<double> frames_per_second;
   bool wait = false;
   bool denoise = false;
   bool forget = false;
@@ -69,9 +73,7 @@ class Fetch {
     if (paths_.empty()) paths_ = {name + ".png"};
     AllFailures unwritable;
     for (const auto& path : paths_) {
-      unwritable.attempt([&] {
-        check_writable(status.animation() ? numbered_path(path, status.frame().number()) : path);
-      });
+      unwritable.attempt([&] { check_writable(frame_path(path, number_in_animation(status))); });
     }
     unwritable.throw_if_any();
     ProgressDisplay display(progress_style(stderr, options_.quiet || !options_.wait), stderr, "");
@@ -89,6 +91,7 @@ class Fetch {
       if (fetched.picture) write(fetched);
       if (!fetched.has_ended()) ++missing;
     }
+    write_animations();
     if (failure_) throw *failure_;
     if (missing > 0) {
       throw render_error(fmt::format("job {}: {} of {} not done yet ({} of {} tiles); --wait waits",
@@ -100,6 +103,9 @@ class Fetch {
   }
 
  private:
+  static std::optional<int> number_in_animation(const v1::JobStatus& status) {
+    return status.animation() ? std::optional(status.frame().number()) : std::nullopt;
+  }
   FetchedFrame fetch() { return fetch_frame(client_, query_, options_.denoise); }
 
   /// The first failure counts; whatever else there is of pictures is written.
@@ -111,16 +117,40 @@ class Fetch {
     const OutputSettings settings =
         output_settings(printable(status.name()), frame.output(), options_.output);
     for (const auto& path : paths_) {
-      const auto place = status.animation() ? numbered_path(path, frame.number()) : path;
+      const auto place = frame_path(path, number_in_animation(status));
+      const bool is_part = status.animation() && holds_frames(path);
       try {
-        write_image(place, film, settings, fetched.picture->metadata);
+        if (is_part) {
+          animations_.add(path, film, settings, fetched.picture->metadata);
+        } else {
+          write_image(place, film, settings, fetched.picture->metadata);
+        }
       } catch (const Error& error) {
         if (!failure_) failure_ = error;
         continue;
       }
-      if (options_.quiet) continue;
+      if (options_.quiet || is_part) continue;
       say("{}  {}x{}, {} of {} tiles, {} kept from before\n", place.string(), film.width(),
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
+    }
+    flush_output();
+    // Frame k is at the instant k / rate.
+    if (frame.number() > 0 && frame.settings().time() > 0)
+      frame_rate_ = frame.number() / frame.settings().time();
+  }
+
+  void write_animations() {
+    const double rate = options_.frames_per_second.value_or(frame_rate_);
+    try {
+      animations_.write(rate, [&](const AnimationFiles::Whole& file) {
+        write_output_file(file.path.string(), file.bytes);
+        if (options_.quiet) return;
+        if (!file.note.empty()) say_warning(file.note);
+        say("{}  {}, {:.4g} a second\n", file.path.string(), counted(file.frames, "frame"),
+            file.frames_per_second);
+      });
+    } catch (const Error& error) {
+      if (!failure_) failure_ = error;
     }
     flush_output();
   }
@@ -130,6 +160,8 @@ class Fetch {
   FarmClient client_;
   v1::JobQuery query_;
   std::vector<std::filesystem::path> paths_;
+  AnimationFiles animations_;
+  double frame_rate_ = kDefaultFramesPerSecond;  ///< as the frames' instants tell it
   std::optional<Error> failure_;
 };
 
@@ -162,6 +194,13 @@ void add_fetch_command(CLI::App& app, Action& action) {
       ->option_text("FILE")
       ->allow_extra_args(false)
       ->group("Picture");
+  OptionGroup(output, "Picture")
+      .add("--fps", "N",
+           fmt::format("Frames a second that a .gif or .apng shows [as the job's are, or {}]",
+                       kDefaultFramesPerSecond),
+           [options](const std::string& text) {
+             options->frames_per_second = parse_frame_rate("--fps", text);
+           });
   add_output_options(output, options->output);
   add_options(*command, output);
   command->callback([options, &action] {

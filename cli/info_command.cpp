@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/digest.h"
 #include "base/plural.h"
 #include "base/process.h"
 #include "cli/add_options.h"
@@ -73,7 +72,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
   RenderOptions options;
   options.scene = path;
   const LoadedScene loaded = read_scene(path, wanted.reading);
-  SceneInfo info{.digest = Digest::of(serialize_scene(loaded.scene)).hex(),
+  SceneInfo info{.digest = scene_digest(loaded.scene),
                  .frame = frame_settings(options, loaded.scene, std::nullopt),
                  .integrator_chosen = {},
                  .summary = summarize(loaded.scene, loaded.blobs),

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/all_failures.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "cli/add_options.h"
@@ -15,7 +16,6 @@
 #include "cli/interrupt.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
-#include "front/all_failures.h"
 #include "front/farm_connection.h"
 #include "front/job_name.h"
 #include "front/job_orders.h"

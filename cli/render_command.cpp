@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "base/all_failures.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
@@ -19,7 +20,7 @@
 #include "cli/say.h"
 #include "coordinator/store/sqlite_tile_store.h"
 #include "coordinator/web/chrome_trace.h"
-#include "front/all_failures.h"
+#include "front/animation_files.h"
 #include "front/load_frame.h"
 #include "front/output_settings.h"
 #include "front/picture_warnings.h"
@@ -37,6 +38,7 @@ constexpr char kFooter[] =
     "  tessera render bunny.obj                                bunny.png, on every core\n"
     "  tessera render room.x3d -o room.png -o room.exr --size 1920x1080 --spp 64\n"
     "  tessera render room.x3d --crop 400,300,528,428          a detail, the same pixels\n"
+    "  tessera render walk.crt --frames 0-47 -o walk.gif       an animation; .apng loses nothing\n"
     "  tessera render room.x3d --workers 0 --threads 4 --stats room.json\n"
     "  tessera render room.x3d --spp 4096 --resume             may be killed and started again\n"
     "  tessera render room.x3d --connect tcp://127.0.0.1:7117  on the farm of 'tessera serve'\n"
@@ -84,16 +86,37 @@ class RenderRun {
  private:
   ExitCode render_frames() {
     if (!options_.frames) return render_frame(std::nullopt, true);
+    // What is done of an animation is written also where a later frame fails.
+    AllFailures failures;
+    failures.attempt([this] { render_all_frames(); });
+    failures.attempt([this] { write_animations(); });
+    failures.throw_if_any();
+    return ExitCode::done;
+  }
+
+  void render_all_frames() {
     for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
       if (frame > options_.frames->first) {
         began_ = Clock::now();
         if (scene_.loaded.depends_on_frame) read(frame);
       }
       const bool last = frame == options_.frames->last;
-      if (const ExitCode code = render_frame(frame, last); code != ExitCode::done) return code;
+      render_frame(frame, last);
       ++frames_written_;
     }
-    return ExitCode::done;
+  }
+
+  void write_animations() const {
+    const double rate = options_.frames_per_second.value_or(
+        scene_frame_rate(options_.scene, scene_.loaded.scene.settings()));
+    animations_.write(rate, [&](const AnimationFiles::Whole& file) {
+      write_output_file(file.path.string(), file.bytes);
+      if (!file.note.empty() && !options_.quiet) say_warning(file.note);
+      if (options_.quiet || stats_to_standard_output(options_)) return;
+      say("{}  {}, {:.4g} a second\n", file.path.string(), counted(file.frames, "frame"),
+          file.frames_per_second);
+    });
+    flush_output();
   }
 
   void end_store() {
@@ -105,11 +128,6 @@ class RenderRun {
   }
 
   bool by_farm() const { return !options_.connection.endpoint.empty(); }
-
-  std::filesystem::path path_for(const std::filesystem::path& path,
-                                 std::optional<int> frame) const {
-    return frame ? numbered_path(path, *frame) : path;
-  }
 
   std::unique_ptr<TracingFarm> start_farm() const {
     if (by_farm()) return connect_to_farm(options_.connection);
@@ -157,7 +175,7 @@ class RenderRun {
       throw Error(failure->code(),
                   fmt::format("{}; {}", failure->what(), what_was_written(report)));
     }
-    write(frame, frame.picture(std::move(result)), number);
+    write(frame, frame.picture(result), number);
     if (failure) throw *failure;
     return ExitCode::done;
   }
@@ -172,7 +190,7 @@ class RenderRun {
       JobResult result = trace(pass, number, false);
       if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
       if (result.report.end != JobReport::End::done) return;
-      if (!write_pictures(pass.picture(std::move(result)), number)) pass_samples_ = samples;
+      if (!write_pictures(pass.picture(result), number, true)) pass_samples_ = samples;
     }
   }
 
@@ -224,13 +242,18 @@ class RenderRun {
   }
 
   /// What failed: a disk that is full for one may have room for another.
-  std::optional<Error> write_pictures(const RenderedPicture& picture,
-                                      std::optional<int> frame) const {
+  std::optional<Error> write_pictures(const RenderedPicture& picture, std::optional<int> frame,
+                                      bool is_pass = false) {
     const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
     AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
-      failures.attempt(
-          [&] { write_image(path_for(path, frame), picture.film, output, picture.metadata); });
+      failures.attempt([&] {
+        if (!frame || !holds_frames(path)) {
+          write_image(frame_path(path, frame), picture.film, output, picture.metadata);
+        } else if (!is_pass) {
+          animations_.add(path, picture.film, output, picture.metadata);
+        }
+      });
     }
     return failures.error();
   }
@@ -252,11 +275,11 @@ class RenderRun {
         say("{}", text);
         flush_output();
       } else {
-        write_output_file(path_for(*options_.stats, frame), text);
+        write_output_file(frame_path(*options_.stats, frame), text);
       }
     }
     if (options_.trace && picture.report.trace)
-      write_trace(statistics, path_for(*options_.trace, frame));
+      write_trace(statistics, frame_path(*options_.trace, frame));
     for (const std::string& warning : report_warnings(picture.report)) say_warning(warning);
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
@@ -281,12 +304,13 @@ class RenderRun {
   void print_end(const RenderedPicture& picture, const FrameStatistics& statistics,
                  std::optional<int> frame) const {
     for (const auto& path : picture_paths(options_)) {
+      if (frame && holds_frames(path)) continue;
       const JobReport& report = picture.report;
       const std::string retries =
           report.retries == 1 ? "1 retry" : fmt::format("{} retries", report.retries);
       const std::string kept =
           store_ ? fmt::format("{} kept from before, ", report.tiles_restored) : "";
-      say("{}  {}x{}, {} by {}, {}, {}{}\n", path_for(path, frame).string(), picture.film.width(),
+      say("{}  {}x{}, {} by {}, {}, {}{}\n", frame_path(path, frame).string(), picture.film.width(),
           picture.film.height(), counted(report.tiles_done, "tile"),
           counted(report.workers_seen, "worker"), retries, kept,
           duration_text(statistics.seconds.total));
@@ -299,6 +323,7 @@ class RenderRun {
   std::unique_ptr<TracingFarm> farm_;
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   FrameScene scene_;
+  AnimationFiles animations_;
   double parse_seconds_ = 0;   ///< of what was read for this frame
   double traced_seconds_ = 0;  ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;

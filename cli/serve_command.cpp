@@ -16,6 +16,7 @@
 #include "cli/interrupt.h"
 #include "cli/log_format.h"
 #include "cli/say.h"
+#include "cli/server_security.h"
 #include "cli/service_manager.h"
 #include "coordinator/key_registry.h"
 #include "coordinator/render_loop.h"
@@ -36,30 +37,12 @@ constexpr Time kBetweenLooks = std::chrono::milliseconds(20);
 
 struct ServeOptions {
   std::string endpoint = kDefaultEndpoint;
-  std::string key, allow, enrolled;
-  bool insecure = false;
+  SecurityOptions security;
+  std::string enrolled;
   std::string http, http_token, tev, store;
   bool json_log = false;
   double verify = 0;
 };
-
-ServerSecurity read_security(const ServeOptions& options) {
-  ServerSecurity security;
-  security.insecure = options.insecure;
-  if (options.key.empty() != options.allow.empty()) {
-    throw usage_error(options.key.empty()
-                          ? "--allow: needs --key, the coordinator's secret key, beside it"
-                          : "--key: needs --allow, the list of keys that are let in, beside it");
-  }
-  if (options.key.empty() && !options.enrolled.empty()) {
-    throw usage_error("--enrolled: needs --allow, which holds the enrolment tokens, beside it");
-  }
-  if (options.key.empty()) return security;
-  if (options.insecure) throw usage_error("--insecure: is for no keys; expected no --key");
-  security.keys = read_secret_key(options.key, "--key");
-  security.allowed = read_allow_list(options.allow, "--allow");
-  return security;
-}
 
 /// The keys of --allow, and those that machines enrolled before. Those of later ones are kept in
 /// --enrolled, or in the store's folder, which is locked by now.
@@ -80,7 +63,7 @@ KeyRegistry open_registry(const ServeOptions& options, AllowList listed) {
 /// Takes up the list of keys as it is now. A wrong one changes nothing.
 void read_keys_again(RenderLoop& loop, KeyRegistry& keys, const ServeOptions& options) {
   try {
-    keys.set_listed(read_allow_list(options.allow, "--allow"));
+    keys.set_listed(read_allow_list(options.security.allow, "--allow"));
     spdlog::info("the list of keys has been read again: {}", counted(keys.keys().size(), "key"));
     loop.set_allowed(keys.keys());
   } catch (const Error& error) {
@@ -107,7 +90,7 @@ CoordinatorOptions coordinator_options(const ServeOptions& options) {
 FarmPage::Options page_options(const ServeOptions& options) {
   return {.address = options.http,
           .token_file = options.http_token,
-          .has_keys = !options.key.empty(),
+          .has_keys = !options.security.key.empty(),
           .stopping = &interrupted()};
 }
 
@@ -118,7 +101,10 @@ ExitCode serve(const ServeOptions& options) {
   keep_spare_descriptors();
   check_room_for_threads(kTransportThreads + (options.http.empty() ? 0 : 1) +
                          (options.tev.empty() ? 0 : 1));
-  ServerSecurity security = read_security(options);
+  ServerSecurity security = read_security(options.security);
+  if (!security.keys && !options.enrolled.empty()) {
+    throw usage_error("--enrolled: needs --allow, which holds the enrolment tokens, beside it");
+  }
   if (options.http.empty() && !options.http_token.empty()) {
     throw usage_error("--http-token: needs --http, the page's address, beside it");
   }
@@ -182,11 +168,13 @@ void add_serve_command(CLI::App& app, Action& action) {
           "--bind", options->endpoint,
           fmt::format("Where to listen, tcp://HOST:PORT or ipc://PATH [{}]", options->endpoint))
       ->type_name("ENDPOINT");
-  command->add_option("--key", options->key, "The coordinator's secret key, of 'tessera keygen'")
+  command
+      ->add_option("--key", options->security.key,
+                   "The coordinator's secret key, of 'tessera keygen'")
       ->type_name("FILE");
   command
       ->add_option(
-          "--allow", options->allow,
+          "--allow", options->security.allow,
           "The keys that are let in: lines KEY ROLE NAME, as 'tessera keygen' prints them; "
           "KEY revoked NAME shuts out one that was enrolled")
       ->type_name("FILE");
@@ -196,7 +184,7 @@ void add_serve_command(CLI::App& app, Action& action) {
           "Where keys are kept that machines enrol by tokens of --allow [enrolled.allow in "
           "the folder of --store]")
       ->type_name("FILE");
-  command->add_flag("--insecure", options->insecure,
+  command->add_flag("--insecure", options->security.insecure,
                     "Let in whoever can reach the endpoint, from other machines too, without keys");
   command
       ->add_option("--http", options->http,

@@ -8,13 +8,13 @@
 #include <thread>
 
 #include "base/json_log.h"
-#include "base/live_things.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
 #include "base/process_usage.h"
 #include "base/shared_arena.h"
 #include "base/signal_stack.h"
+#include "base/weak_cache.h"
 #include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
@@ -38,6 +38,7 @@ struct WorkerCommandOptions {
   int parent = 0;
   bool quiet = false, json_log = false;
   int arena = -1;  ///< a descriptor of SharedArena that was inherited
+  int nice = 0;    ///< levels by which this process is less urgent than its parent
   Time orphan_timeout = std::chrono::seconds(60);
   Time idle_timeout = Time::max();
   unsigned protocol_major = 0;
@@ -85,6 +86,7 @@ void go_on_after_crash(const CrashRecord& record) {
 ExitCode work(const WorkerCommandOptions& options) {
   if (options.parent > 0 && !die_with_parent(options.parent)) return ExitCode::done;
   catch_interrupts();
+  lower_priority(options.nice);
   // A local worker that ends in any way is replaced by its parent, which tells its coordinator.
   const SignalStack stack;
   std::optional<CrashRecord> crashes;
@@ -104,7 +106,7 @@ ExitCode work(const WorkerCommandOptions& options) {
   check_room_for_threads(worker.threads + kTransportThreads);
   std::optional<SharedArena> arena;
   if (options.arena >= 0) arena.emplace(options.arena);
-  LiveThings trees;
+  WeakCache trees;
   const Sharing sharing{.arena = arena ? &*arena : nullptr, .live = &trees};
   worker.make_renderer = [&](const v1::Scene& scene, const BlobStore& blobs,
                              const v1::FrameSettings& frame, int threads) {
@@ -127,7 +129,8 @@ ExitCode work(const WorkerCommandOptions& options) {
     spdlog::warn("this memory group has killed {} for want of memory: fewer tiles at one time",
                  counted(worker.memory_kills, "worker"));
   }
-  worker.orphan_timeout = options.orphan_timeout;
+  // A parent coordinates: it comes back from long work, and where it ends so does this process.
+  worker.orphan_timeout = options.parent > 0 ? Time::max() : options.orphan_timeout;
   worker.idle_timeout = options.idle_timeout;
   worker.protocol_major = options.protocol_major;
   const auto transport = connect(options.connection);
@@ -192,6 +195,7 @@ void add_worker_command(CLI::App& app, Action& action) {
   // Not for users: an empty group hides them from --help.
   command->add_option("--parent", options->parent)->group("");
   command->add_option("--arena", options->arena)->group("");
+  command->add_option("--nice", options->nice)->group("");
   command->add_option("--protocol-major", options->protocol_major)->group("");
   command->add_option("--crash-record", options->crash_record)->group("");
   command->add_option("--crash-seed", options->crash_seed)->group("");

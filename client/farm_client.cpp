@@ -66,10 +66,11 @@ void FarmClient::converse(Channel channel, const v1::Envelope& question, const H
     transport_.wait(kLongestWait);
     receive(done, finished);
     check_let_in(transport_, endpoint_);
-    first_word_.check(endpoint_, now);
+    first_word_.check(transport_, endpoint_, now);
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
     if (now - last_heard_ > patience_) {
       throw UnreachableError(
+          endpoint_,
           fmt::format("no word from the coordinator at {} for {} s{}; expected an answer",
                       endpoint_, to_seconds(patience_), known_trouble(transport_)));
     }
@@ -194,7 +195,8 @@ std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
     trouble.check(transport_, endpoint_, true, monotonic_now());
     if (monotonic_now() - last_heard_ > patience_) {
-      throw UnreachableError(fmt::format("no word from the coordinator at {}", endpoint_));
+      throw UnreachableError(endpoint_,
+                             fmt::format("no word from the coordinator at {}", endpoint_));
     }
   }
   Film film(*crop, aovs);

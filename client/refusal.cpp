@@ -2,10 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "proto/transport/listening.h"
 #include "proto/wire/printable.h"
 
 namespace tessera {
+namespace {
+
+[[noreturn]] void throw_unreachable(const std::string& endpoint, const ConnectionTrouble& trouble) {
+  throw UnreachableError(
+      endpoint, fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble.why));
+}
+
+}  // namespace
 
 void check_host_is_known(const std::string& endpoint) {
   if (!is_unknown_host(endpoint)) return;
@@ -15,15 +25,15 @@ void check_host_is_known(const std::string& endpoint) {
 
 void check_not_refused(const v1::Envelope& message, const std::string& endpoint) {
   if (!message.has_reject()) return;
-  throw RefusedError(fmt::format("the coordinator at {} refused: {}", endpoint,
-                                 printable(message.reject().text())));
+  throw RefusedError(endpoint, fmt::format("the coordinator at {} refused: {}", endpoint,
+                                           printable(message.reject().text())));
 }
 
 void check_let_in(const ClientTransport& transport, const std::string& endpoint) {
   const auto trouble = transport.trouble();
   if (!trouble || !trouble->refused) return;
   throw RefusedError(
-      fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
+      endpoint, fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
 }
 
 std::string known_trouble(const ClientTransport& transport) {
@@ -31,11 +41,21 @@ std::string known_trouble(const ClientTransport& transport) {
   return trouble ? ": " + trouble->why : "";
 }
 
-void FirstWord::check(const std::string& endpoint, Time now) {
-  if (now < look_) return;
-  look_ = now + std::chrono::seconds(2);
-  if (!nobody_listens(endpoint)) return;
+void FirstWord::check(const ClientTransport& transport, const std::string& endpoint, Time now) {
+  if (now < next_look_) return;
+  constexpr int kLooks = 4, kFailedAttempts = 3;
+  const bool is_alone = nobody_listens(endpoint);
+  looks_at_nobody_ = is_alone ? looks_at_nobody_ + 1 : 0;
+  next_look_ = now + (is_alone ? kSoon : kLooks * kSoon);
+  if (now < earliest_end_) {
+    next_look_ = std::min(next_look_, earliest_end_);
+    return;
+  }
+  const auto trouble = transport.trouble();
+  if (trouble && trouble->attempts >= kFailedAttempts) throw_unreachable(endpoint, *trouble);
+  if (looks_at_nobody_ < kLooks) return;
   throw UnreachableError(
+      endpoint,
       fmt::format("nothing listens at {}; expected a running 'tessera serve' there", endpoint));
 }
 
@@ -45,8 +65,7 @@ void TroublePatience::check(const ClientTransport& transport, const std::string&
   if (!needed || !trouble) {
     last_fine_ = now;
   } else if (now - last_fine_ > patience_) {
-    throw UnreachableError(
-        fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
+    throw_unreachable(endpoint, *trouble);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "base/error.h"
@@ -9,16 +10,29 @@
 
 namespace tessera {
 
-/// A usage error: a farm does not let us in, or refuses our key what was asked.
-class RefusedError : public Error {
+/// What a farm does to us, and the endpoint of its coordinator.
+class FarmError : public Error {
  public:
-  explicit RefusedError(const std::string& message) : Error(ExitCode::bad_usage, message) {}
+  FarmError(ExitCode code, const std::string& endpoint, const std::string& message)
+      : Error(code, message), endpoint_(std::make_shared<const std::string>(endpoint)) {}
+  const std::string& endpoint() const { return *endpoint_; }
+
+ private:
+  std::shared_ptr<const std::string> endpoint_;  ///< so that copying throws nothing
+};
+
+/// A usage error: a farm does not let us in, or refuses our key what was asked.
+class RefusedError : public FarmError {
+ public:
+  RefusedError(const std::string& endpoint, const std::string& message)
+      : FarmError(ExitCode::bad_usage, endpoint, message) {}
 };
 
 /// A render error: a farm cannot be reached, or fell silent.
-class UnreachableError : public Error {
+class UnreachableError : public FarmError {
  public:
-  explicit UnreachableError(const std::string& message) : Error(ExitCode::render_failed, message) {}
+  UnreachableError(const std::string& endpoint, const std::string& message)
+      : FarmError(ExitCode::render_failed, endpoint, message) {}
 };
 
 /// Throws usage_error where the host of the endpoint is certain to have no address.
@@ -33,14 +47,19 @@ std::string known_trouble(const ClientTransport& transport);
 /// For a coordinator that has not been heard yet.
 class FirstWord {
  public:
-  explicit FirstWord(Time now) : look_(now + std::chrono::seconds(2)) {}
-  void heard() { look_ = Time::max(); }
-  /// Throws UnreachableError where it is certain that there is none: not at once, since it may be
-  /// starting.
-  void check(const std::string& endpoint, Time now);
+  explicit FirstWord(Time now)
+      : earliest_end_(now + std::chrono::seconds(2)), next_look_(now + kSoon) {}
+  void heard() { next_look_ = Time::max(); }
+  /// Throws UnreachableError where it is certain that none will answer: nothing listens, or what
+  /// does failed to agree with us on a connection several times. After 2 s at the earliest, since
+  /// it may be starting, and where nothing listened at four looks in a row, half a second apart.
+  void check(const ClientTransport& transport, const std::string& endpoint, Time now);
 
  private:
-  Time look_;
+  static constexpr Time kSoon = std::chrono::milliseconds(500);
+
+  Time earliest_end_, next_look_;
+  int looks_at_nobody_ = 0;  ///< in a row, up to now
 };
 
 /// For a line that is away while the other one talks, so that nobody is silent.

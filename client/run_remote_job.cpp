@@ -70,7 +70,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
     }
     const Time now = monotonic_now();
     check_let_in(transport, endpoint);
-    first_word.check(endpoint, now);
+    first_word.check(transport, endpoint, now);
     trouble.check(transport, endpoint, client.moves_blobs(), now);
     if (stop) client.cancel(now);
     if (now >= client.next_deadline()) client.on_tick(now);
@@ -81,9 +81,11 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
       next_progress = now + kTellProgress;
     }
     if (now - client.last_heard() > patience) {
-      throw UnreachableError(fmt::format(
-          "no word from the coordinator at {} for {} s{}; expected an answer to the job", endpoint,
-          to_seconds(patience), known_trouble(transport)));
+      throw UnreachableError(
+          endpoint,
+          fmt::format(
+              "no word from the coordinator at {} for {} s{}; expected an answer to the job",
+              endpoint, to_seconds(patience), known_trouble(transport)));
     }
   }
 }

@@ -17,12 +17,15 @@ file(CREATE_LINK "../${programs}/tessera" "${CMAKE_BINARY_DIR}/package/bin/tesse
 install(FILES "${CMAKE_BINARY_DIR}/package/bin/tessera" DESTINATION "${CMAKE_INSTALL_BINDIR}"
         COMPONENT tessera)
 
+# A build has them where its programs look for them, too.
+file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/share/tessera")
+file(CREATE_LINK "${CMAKE_SOURCE_DIR}/scenes/samples" "${CMAKE_BINARY_DIR}/share/tessera/samples" SYMBOLIC)
 install(DIRECTORY scenes/samples DESTINATION "${CMAKE_INSTALL_DATADIR}/tessera" COMPONENT tessera
         PATTERN "*.py" EXCLUDE)
 install(PROGRAMS deploy/slurm/tessera.sbatch DESTINATION "${CMAKE_INSTALL_DATADIR}/tessera"
         COMPONENT tessera)
 install(FILES README.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tessera)
-install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tessera)
+install(DIRECTORY docs examples DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT tessera)
 # What lies outside of any prefix is for the package alone.
 install(DIRECTORY deploy/systemd/ DESTINATION /lib/systemd/system COMPONENT tessera EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.service")

@@ -6,6 +6,7 @@
 function(install_python_package folder)
   install(TARGETS tessera_python LIBRARY DESTINATION "${folder}" COMPONENT ${ARGN})
   install(CODE "
+    cmake_policy(SET CMP0009 NEW)  # links to folders are not followed
     set(package \"${CMAKE_BINARY_DIR}/python/tessera\")
     file(GLOB_RECURSE files RELATIVE \"\${package}\"
          \"\${package}/*.py\" \"\${package}/*.pyi\" \"\${package}/py.typed\")

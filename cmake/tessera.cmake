@@ -1,5 +1,7 @@
 # Compiler settings and the one function by which every folder becomes a target.
 
+include(embed)
+
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -22,9 +24,14 @@ endif()
 
 add_library(tessera_flags INTERFACE)
 target_include_directories(tessera_flags INTERFACE "${CMAKE_SOURCE_DIR}")
+# Who builds to use it is spared the warnings, of which GCC 12 at -O3 gives some for nothing.
+set(warnings)
+if(TESSERA_WERROR)
+  set(warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wvla)
+endif()
 # Contraction would let the compiler choose where a multiply-add rounds once, so that two builds
 # would render different bits. Errno and FP traps are never read; giving them up changes no result.
-target_compile_options(tessera_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wvla
+target_compile_options(tessera_flags INTERFACE ${warnings}
   "-ffile-prefix-map=${CMAKE_SOURCE_DIR}/="
   -ffp-contract=off -fno-math-errno -fno-trapping-math)
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
@@ -40,19 +47,24 @@ if(TESSERA_SANITIZE)
   target_compile_options(tessera_sanitizers INTERFACE -fsanitize=${TESSERA_SANITIZE}
                          -fno-sanitize=vptr -fno-sanitize-recover=all)
   target_link_options(tessera_sanitizers INTERFACE -fsanitize=${TESSERA_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Found where nothing is uninitialized, since GCC's optimizer sees less through the checks (its
+    # manual warns of this at -fsanitize); the other builds keep this warning.
+    target_compile_options(tessera_sanitizers INTERFACE -Wno-maybe-uninitialized)
+  endif()
 endif()
 target_link_libraries(tessera_flags INTERFACE tessera_sanitizers)
 if(TESSERA_FUZZ)
   target_compile_options(tessera_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# tessera_room(PATH [USES room...] [LINKS target...])
+# tessera_module(PATH [USES module...] [LINKS target...])
 #   Makes the folder PATH (from the repository's root) a library of every .cpp file in it; with no
-#   .cpp it is header-only. USES names the rooms whose headers it may include: its allowed arrows,
-#   written to rooms.txt and held against the #include lines by tests/architecture. LINKS names
+#   .cpp it is header-only. USES names the modules whose headers it may include: its allowed dependencies,
+#   written to modules.txt and held against the #include lines by tests/architecture. LINKS names
 #   libraries from outside.
-function(tessera_room path)
-  cmake_parse_arguments(ROOM "" "" "USES;LINKS" ${ARGN})
+function(tessera_module path)
+  cmake_parse_arguments(MODULE "" "" "USES;LINKS" ${ARGN})
   string(REPLACE "/" "_" target "${path}")
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/${path}/*.cpp")
   list(FILTER sources EXCLUDE REGEX "_main\\.cpp$")
@@ -67,18 +79,18 @@ function(tessera_room path)
   if(path MATCHES "^renderer" AND CMAKE_BUILD_TYPE STREQUAL "Release")
     set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   endif()
-  string(REPLACE "/" "_" uses "${ROOM_USES}")
-  target_link_libraries(${target} ${scope} tessera_flags ${uses} ${ROOM_LINKS})
-  tessera_declare_room("${path}" ${ROOM_USES})
+  string(REPLACE "/" "_" uses "${MODULE_USES}")
+  target_link_libraries(${target} ${scope} tessera_flags ${uses} ${MODULE_LINKS})
+  tessera_declare_module("${path}" ${MODULE_USES})
 endfunction()
 
-# tessera_declare_room(PATH room...): names a room and its arrows, also where nothing of it is built.
-function(tessera_declare_room path)
+# tessera_declare_module(PATH module...): names a module and its dependencies, also where nothing of it is built.
+function(tessera_declare_module path)
   list(JOIN ARGN " " uses)
-  set_property(GLOBAL APPEND PROPERTY TESSERA_ROOMS "${path}: ${uses}")
+  set_property(GLOBAL APPEND PROPERTY TESSERA_MODULES "${path}: ${uses}")
 endfunction()
 
-# tessera_program(NAME MAIN [USES room...] [LINKS target...]): one executable from one _main.cpp.
+# tessera_program(NAME MAIN [USES module...] [LINKS target...]): one executable from one _main.cpp.
 function(tessera_program name main)
   cmake_parse_arguments(PROGRAM "" "" "USES;LINKS" ${ARGN})
   add_executable(${name} "${main}")
@@ -86,8 +98,8 @@ function(tessera_program name main)
   target_link_libraries(${name} PRIVATE tessera_flags ${uses} ${PROGRAM_LINKS})
 endfunction()
 
-function(tessera_write_rooms file)
-  get_property(rooms GLOBAL PROPERTY TESSERA_ROOMS)
-  string(REPLACE ";" "\n" text "${rooms}")
+function(tessera_write_modules file)
+  get_property(modules GLOBAL PROPERTY TESSERA_MODULES)
+  string(REPLACE ";" "\n" text "${modules}")
   file(WRITE "${file}" "${text}\n")
 endfunction()

@@ -23,8 +23,8 @@ Coordinator::Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> s
   if (!store) store = std::make_shared<MemoryJobStore>();
   options_.farm = store->farm();
   jobs_ = std::make_unique<JobTable>(options_, store);
-  workers_ = std::make_unique<WorkerDesk>(options_, *jobs_);
-  clients_ = std::make_unique<ClientDesk>(options_, *jobs_, std::move(store));
+  workers_ = std::make_unique<WorkerService>(options_, *jobs_);
+  clients_ = std::make_unique<ClientService>(options_, *jobs_, std::move(store));
   set_worker_keys(options_.worker_keys);
 }
 
@@ -41,7 +41,13 @@ void Coordinator::set_worker_keys(size_t listed) {
 
 uint64_t Coordinator::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
   const uint64_t id = jobs_->submit(std::move(spec), now, std::move(tiles));
-  settle(now);
+  try {
+    settle(now);
+  } catch (...) {
+    // No memory for its film, say. It would be begun again, and fail again, with each job after it.
+    abandon(id);
+    throw;
+  }
   return id;
 }
 
@@ -50,8 +56,10 @@ void Coordinator::interrupt(uint64_t job, Time now) {
   settle(now);
 }
 
+void Coordinator::abandon(uint64_t job) { jobs_->abandon(job); }
+
 void Coordinator::fail_jobs(const std::string& why, Time now) {
-  for (ActiveJob* job : jobs_->running()) job->fail(ExitCode::render_failed, why);
+  for (ActiveFrame* job : jobs_->running()) job->fail(ExitCode::render_failed, why);
   settle(now);
 }
 
@@ -66,8 +74,29 @@ JobProgress Coordinator::progress(Time now) const {
   return progress;
 }
 
+std::optional<JobProgress> Coordinator::progress(uint64_t job, Time now) const {
+  const ActiveFrame* const active = std::as_const(*jobs_).running(job);
+  if (!active) return std::nullopt;
+  JobProgress progress = active->progress(now);
+  progress.workers = workers().present_count();
+  if (progress.workers == 0) progress.waiting_for = "workers";
+  return progress;
+}
+
+std::vector<TileSnapshot> Coordinator::tiles(uint64_t job, Time now) const {
+  const ActiveFrame* const active = std::as_const(*jobs_).running(job);
+  return active ? active->tiles(now) : std::vector<TileSnapshot>();
+}
+
+std::optional<FilmView> Coordinator::film(uint64_t job) const {
+  const ActiveFrame* const active = std::as_const(*jobs_).running(job);
+  if (!active) return std::nullopt;
+  const Film& film = active->assembler().film();
+  return FilmView{film.rect(), film.channels(), film.values(), nullptr};
+}
+
 void Coordinator::note_assembling(uint64_t job, Time spent) {
-  if (ActiveJob* active = jobs_->running(job)) {
+  if (ActiveFrame* active = jobs_->running(job)) {
     active->report().assemble_seconds += to_seconds(spent);
   }
 }
@@ -80,16 +109,16 @@ void Coordinator::settle(Time now) {
 }
 
 void Coordinator::collect_outgoing() {
-  std::vector<WorkerDesk::Outgoing>& for_workers = workers_->outgoing();
+  std::vector<WorkerService::Outgoing>& for_workers = workers_->outgoing();
   outgoing_.reserve(outgoing_.size() + for_workers.size());
-  for (WorkerDesk::Outgoing& out : for_workers) {
+  for (WorkerService::Outgoing& out : for_workers) {
     outgoing_.push_back({Channel::control, std::move(out.peer), std::move(out.message)});
   }
   for_workers.clear();
   auto for_clients = clients_->take_outgoing();
   if (for_clients.empty()) return;
   const auto count = static_cast<uint32_t>(workers().present_count());
-  for (ClientDesk::Outgoing& out : for_clients) {
+  for (ClientService::Outgoing& out : for_clients) {
     if (out.message.has_job_status()) out.message.mutable_job_status()->set_workers(count);
     if (out.message.has_job_list()) {
       out.message.mutable_job_list()->set_workers(count);
@@ -148,9 +177,9 @@ void Coordinator::on_done_tiles_query(const PeerId& peer, const v1::DoneTilesQue
   OutgoingMessage answer{Channel::bulk, peer, {}};
   v1::DoneTiles& tiles = *answer.message.mutable_done_tiles();
   tiles.set_question(query.question());
-  const FarmJob* const job = query.submission() != 0 ? jobs_->find_submission(query.submission())
-                                                     : jobs_->find(query.job());
-  const ActiveJob* const active =
+  const Job* const job = query.submission() != 0 ? jobs_->find_submission(query.submission())
+                                                 : jobs_->find(query.job());
+  const ActiveFrame* const active =
       job && !job->local() ? jobs_->running(job->id(), query.frame()) : nullptr;
   if (active) add_done_tiles(*active, options_.opening, query, tiles);
   outgoing_.push_back(std::move(answer));
@@ -206,7 +235,7 @@ FarmSnapshot Coordinator::snapshot(Time now) const {
 }
 
 std::vector<TileSnapshot> Coordinator::tiles(uint64_t job, uint32_t frame, Time now) const {
-  const ActiveJob* active = jobs_->running(job, frame);
+  const ActiveFrame* active = jobs_->running(job, frame);
   return active ? active->tiles(now) : std::vector<TileSnapshot>();
 }
 
@@ -220,6 +249,10 @@ std::vector<std::pair<uint64_t, uint32_t>> Coordinator::running_frames() const {
 
 std::optional<FilmView> Coordinator::film(uint64_t job, uint32_t frame) {
   return jobs_->film(job, frame);
+}
+
+std::optional<JobSpec> Coordinator::spec(uint64_t job, uint32_t frame) {
+  return jobs_->spec(job, frame);
 }
 
 std::shared_ptr<const FrameTrace> Coordinator::trace(uint64_t job, uint32_t frame) const {
@@ -236,7 +269,7 @@ bool Coordinator::drained() const {
   const auto& running = jobs_->running();
   return jobs_->store_trouble().empty() &&
          std::all_of(running.begin(), running.end(),
-                     [](const ActiveJob* job) { return job->scheduler().live_count() == 0; });
+                     [](const ActiveFrame* job) { return job->scheduler().live_count() == 0; });
 }
 
 void Coordinator::shut_down(const std::string& reason) {

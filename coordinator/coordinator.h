@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/client_desk.h"
+#include "coordinator/client_service.h"
 #include "coordinator/coordinator_options.h"
 #include "coordinator/jobs/farm_snapshot.h"
 #include "coordinator/jobs/job_store.h"
 #include "coordinator/jobs/job_table.h"
-#include "coordinator/worker_desk.h"
+#include "coordinator/worker_service.h"
 #include "job/job.h"
 #include "proto/transport/transport.h"
 
@@ -37,16 +37,25 @@ class Coordinator {
   explicit Coordinator(CoordinatorOptions options, std::shared_ptr<JobStore> store = nullptr);
 
   /// Queues a job of this process. `tiles`: where its finished tiles are kept and found; null:
-  /// nowhere. Throws usage_error if its frame, crop or tile size cannot be.
+  /// nowhere. Throws usage_error if its frame, crop or tile size cannot be, and std::bad_alloc
+  /// where it begins at once and there is no memory for it.
   uint64_t submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles = nullptr);
   /// Ends it now, as interrupted, with what there is.
   void interrupt(uint64_t job, Time now);
+  /// Forgets a job from submit(), wherever it is: nobody takes its result.
+  void abandon(uint64_t job);
   /// Ends the jobs that run, as failed, for a reason outside.
   void fail_jobs(const std::string& why, Time now);
   /// The result of a job from submit() once it has ended; told once.
   std::optional<JobResult> take_result(uint64_t job);
   /// Of the first job that runs.
   JobProgress progress(Time now) const;
+  // Of one job from submit(), of which several may run at once: until it has ended, and once it has
+  // begun, which it has on return from submit() where fewer than eight others run. Else nothing.
+  std::optional<JobProgress> progress(uint64_t job, Time now) const;
+  std::vector<TileSnapshot> tiles(uint64_t job, Time now) const;
+  /// The light so far, valid until the next call that may end the job.
+  std::optional<FilmView> film(uint64_t job) const;
 
   /// `sender`: by whose key, where there are keys.
   void on_message(Channel channel, const PeerId& peer, const v1::Envelope& message, Time now,
@@ -93,6 +102,9 @@ class Coordinator {
   uint64_t news() const { return jobs_->accepted_count() + workers_->begun_count(); }
   /// The light so far of a frame that is being traced, or that of a client's frame that has ended.
   std::optional<FilmView> film(uint64_t job, uint32_t frame);
+  /// What a client's frame is traced from; nothing where there is no such frame. Throws Error where
+  /// the store has it no longer. Reads the store.
+  std::optional<JobSpec> spec(uint64_t job, uint32_t frame);
   /// Of a frame that is being traced, or of the last ones that were; else null.
   std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
   /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.
@@ -108,8 +120,8 @@ class Coordinator {
 
   CoordinatorOptions options_;
   std::unique_ptr<JobTable> jobs_;  ///< apart, so that a coordinator can be moved
-  std::unique_ptr<WorkerDesk> workers_;
-  std::unique_ptr<ClientDesk> clients_;
+  std::unique_ptr<WorkerService> workers_;
+  std::unique_ptr<ClientService> clients_;
   std::vector<OutgoingMessage> outgoing_;
   Time next_tick_{};
   std::optional<Time> first_tick_;  ///< about when it was started

@@ -22,9 +22,11 @@ struct CoordinatorOptions : JobRules {
   uint32_t protocol_major = kProtocolMajor;
   std::string numerics_id = kNumericsId;
 
-  // What RenderLoop fills in, from its transport and this host.
+  // What RenderLoop tells each peer by itself, from the way by which it comes.
   bool compress_pixels = false;  ///< saves network, costs time: for workers on other machines
   std::string bulk_endpoint;     ///< as in Welcome
+
+  // What RenderLoop fills in, from this host.
   uint64_t farm = 0;  ///< as in Welcome; 0: of no store, so that it ends with this process
   std::string host;   ///< of the coordinator: whose process ids are its own
 };

@@ -26,7 +26,7 @@ void append_light(const Assembler& assembler, uint32_t tile, int first, int last
 
 }  // namespace
 
-void add_done_tiles(const ActiveJob& frame, const std::string& opening,
+void add_done_tiles(const ActiveFrame& frame, const std::string& opening,
                     const v1::DoneTilesQuery& query, v1::DoneTiles& answer) {
   const Assembler& assembler = frame.assembler();
   const std::vector<uint32_t>& order = assembler.done_order();

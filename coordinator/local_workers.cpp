@@ -126,11 +126,18 @@ LocalWorkers::~LocalWorkers() {
 }
 
 void LocalWorkers::note_progress() {
-  replacements_left_ = std::max(kVainReplacements, 4 * options_.count);
+  replacements_left_ = most_replacements();
+  are_silent_ = false;
+  pause_ = next_start_ = Time{};
+}
+
+int LocalWorkers::most_replacements() const {
+  return std::max(kVainReplacements, 4 * options_.count);
 }
 
 void LocalWorkers::start() {
-  for (int i = 0; i < options_.count; ++i) spawn();
+  wanted_ = static_cast<size_t>(std::max(options_.count, 0));
+  while (running_.size() < wanted_) spawn();
 }
 
 void LocalWorkers::spawn() {
@@ -138,14 +145,15 @@ void LocalWorkers::spawn() {
                                         "--connect", endpoint_,
                                         "--threads", std::to_string(options_.threads),
                                         "--parent",  std::to_string(getpid()),
-                                        "--arena",   "0"};
+                                        "--arena",   "0",
+                                        "--nice",    std::to_string(options_.nice)};
   arguments.insert(arguments.end(), options_.extra_arguments.begin(),
                    options_.extra_arguments.end());
   running_.push_back(
       start_process(options_.program, std::move(arguments), {.standard_input = arena_.get()}));
 }
 
-std::vector<EndedProcess> LocalWorkers::collect() {
+std::vector<EndedProcess> LocalWorkers::collect_ended() {
   std::vector<EndedProcess> ended;
   std::erase_if(running_, [&](pid_t pid) {
     int status = 0;
@@ -162,18 +170,38 @@ std::vector<EndedProcess> LocalWorkers::collect() {
   return ended;
 }
 
-std::vector<EndedProcess> LocalWorkers::replace_ended() {
-  std::vector<EndedProcess> ended = collect();
+void LocalWorkers::replace(std::span<const EndedProcess> ended, Time now) {
   for (const EndedProcess& process : ended) {
-    if (replacements_left_-- <= 0) {
-      throw render_error(fmt::format(
-          "worker processes end as soon as they are started; expected them to work; the last, {}",
-          process.how));
+    if (--replacements_left_ < 0) {
+      postpone(now);
+      throw are_silent_
+          ? render_error(
+                fmt::format("worker processes say nothing after they are started; expected '{}' to "
+                            "be the program tessera",
+                            options_.program))
+          : render_error(fmt::format("worker processes end as soon as they are started; expected "
+                                     "them to work; the last, {}",
+                                     process.how));
     }
     spdlog::warn("worker {}; starting another", process.how);
-    spawn();
   }
-  return ended;
+  fill_up(now);
+}
+
+void LocalWorkers::fill_up(Time now) {
+  if (running_.size() >= wanted_ || now < next_start_) return;
+  try {
+    while (running_.size() < wanted_) spawn();
+  } catch (const Error&) {
+    postpone(now);
+    throw;
+  }
+}
+
+void LocalWorkers::postpone(Time now) {
+  constexpr Time kShortestPause = std::chrono::seconds(1), kLongestPause = std::chrono::seconds(10);
+  pause_ = std::clamp(2 * pause_, kShortestPause, kLongestPause);
+  next_start_ = now + pause_;
 }
 
 void LocalWorkers::kill_stuck(pid_t process) {
@@ -182,13 +210,22 @@ void LocalWorkers::kill_stuck(pid_t process) {
   kill(process, SIGKILL);
 }
 
+void LocalWorkers::kill_silent(pid_t process) {
+  // Each was waited for long, so that fewer of these are enough to give up.
+  constexpr int kMostRounds = 2;
+  replacements_left_ -= most_replacements() / (kMostRounds * std::max(options_.count, 1));
+  are_silent_ = true;
+  kill_stuck(process);
+}
+
 void LocalWorkers::stop(Time grace) {
+  wanted_ = 0;
   for (const int signal : {0, SIGTERM, SIGKILL}) {
     if (signal != 0) {
       for (const pid_t pid : running_) kill(pid, signal);
     }
     const Time deadline = monotonic_now() + grace;
-    while (collect(), !running_.empty()) {
+    while (collect_ended(), !running_.empty()) {
       // Nothing survives the last signal, so that is waited for.
       if (signal != SIGKILL && monotonic_now() >= deadline) break;
       std::this_thread::sleep_for(kLook);

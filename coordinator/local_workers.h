@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,9 @@ namespace tessera {
 struct LocalWorkerOptions {
   int count = 4;
   int threads = 1;                       ///< of each worker
+  int nice = 0;                          ///< levels below this process's priority, as nice(1)
   std::string program = program_path();  ///< what to run
-  /// Arguments after "worker --connect ENDPOINT --threads N --parent PID --arena 0".
+  /// Arguments after "worker --connect ENDPOINT --threads N --parent PID --arena 0 --nice N".
   std::vector<std::string> extra_arguments;
 };
 
@@ -49,10 +51,15 @@ class LocalWorkers {
   void note_progress();
   /// Kills one of ours.
   void kill_stuck(pid_t process);
-  /// Collects the processes that ended since the last call, and starts one in place of each. Throws
-  /// render_error, with how the last ones ended, when that was in vain too often. Takes
-  /// microseconds.
-  std::vector<EndedProcess> replace_ended();
+  /// Kills one of ours that never said hello. The second time that this befalls all of them without
+  /// progress in between, replace() throws.
+  void kill_silent(pid_t process);
+  /// The processes that ended since the last call.
+  std::vector<EndedProcess> collect_ended();
+  /// Starts one in place of each. Throws render_error, with how the last one ended, when
+  /// replacements failed too often. After that it retries after pauses of 1 to 10 s, and throws on
+  /// each failure. Called also when none has ended. Takes microseconds.
+  void replace(std::span<const EndedProcess> ended, Time now);
   /// Waits up to `grace` for them to end by themselves (they were sent Shutdown), then sends
   /// SIGTERM, then SIGKILL; returns when none is left, after at most about 2 * grace.
   void stop(Time grace);
@@ -60,7 +67,10 @@ class LocalWorkers {
 
  private:
   void spawn();
-  std::vector<EndedProcess> collect();
+  int most_replacements() const;
+  /// Starts those that are missing.
+  void fill_up(Time now);
+  void postpone(Time now);
 
   LocalWorkerOptions options_;
   std::string folder_;
@@ -68,7 +78,11 @@ class LocalWorkers {
   std::string endpoint_;
   OwnedDescriptor arena_;  ///< of SharedArena, in which they share what they build
   std::vector<pid_t> running_;
+  size_t wanted_ = 0;  ///< that many should run
   int replacements_left_ = 0;
+  Time pause_{};             ///< the last one after vain starts
+  Time next_start_{};        ///< none before
+  bool are_silent_ = false;  ///< the last one that was killed never said hello
 };
 
 }  // namespace tessera

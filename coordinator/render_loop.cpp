@@ -22,18 +22,15 @@ namespace {
 /// How long a coordinator that ends keeps telling so.
 constexpr Time kFarewell = std::chrono::milliseconds(300);
 constexpr std::chrono::milliseconds kBetweenFarewells{20};
-constexpr Time kLongestWait = std::chrono::milliseconds(50);
 constexpr Time kLookAtProcesses = std::chrono::milliseconds(20);
 constexpr Time kTellProgress = std::chrono::milliseconds(100);
 // After so many messages, what is due by the clock has its turn.
 constexpr int kMessagesPerRound = 256;
 
 CoordinatorOptions completed(CoordinatorOptions options, const ServerTransport& transport) {
-  options.bulk_endpoint = transport.bulk_endpoint();
   if (transport.endpoint().starts_with("ipc://")) {
     options.shared_by_process = static_cast<uint32_t>(getpid());
   }
-  options.compress_pixels = transport.endpoint().starts_with("tcp://");
   std::random_device random;
   if (options.verify_key == 0) options.verify_key = uint64_t{random()} << 32 | random();
   if (options.opening.empty()) options.opening = draw_opening();
@@ -58,21 +55,30 @@ RenderLoop::~RenderLoop() = default;
 JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
                           const std::atomic<bool>& stop, std::shared_ptr<TileStore> tiles) {
   const uint64_t id = coordinator_->submit(std::move(job), monotonic_now(), std::move(tiles));
+  try {
+    return wait_for(id, progress, stop);
+  } catch (...) {
+    coordinator_->abandon(id);
+    throw;
+  }
+}
+
+JobResult RenderLoop::wait_for(uint64_t id, const ProgressCallback& progress,
+                               const std::atomic<bool>& stop) {
   tiles_done_ = 0;
   Time next_progress{};
   while (true) {
     deliver();
+    // Before the step: only running jobs have progress, and a small job ends within its first step.
+    if (const Time now = monotonic_now(); progress && now >= next_progress) {
+      progress(coordinator_->progress(now));
+      next_progress = now + kTellProgress;
+    }
     step(kLongestWait);
-    const Time now = monotonic_now();
-    if (stop) coordinator_->interrupt(id, now);
-    // Of a job that has ended there is no progress.
+    if (stop) coordinator_->interrupt(id, monotonic_now());
     if (auto result = coordinator_->take_result(id)) {
       deliver();
       return std::move(*result);
-    }
-    if (progress && now >= next_progress) {
-      progress(coordinator_->progress(now));
-      next_progress = now + kTellProgress;
     }
   }
 }
@@ -80,6 +86,11 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
 void RenderLoop::observe(std::function<void(Coordinator&, Time)> look, Time every) {
   observer_ = std::move(look);
   observe_every_ = every;
+}
+
+void RenderLoop::wake() {
+  woken_ = true;  // first: a wait that ends by the next line finds it
+  transport_->wake();
 }
 
 void RenderLoop::serve(const std::atomic<bool>& stop, Time drain,
@@ -109,17 +120,20 @@ void RenderLoop::bid_farewell(const std::string& reason) {
 }
 
 void RenderLoop::step(Time pause) {
-  const Time due = coordinator_->next_deadline() - monotonic_now();
-  Time wait = std::min(pause, due);
-  if (local_workers_) wait = std::min(wait, kLookAtProcesses);
+  Time due = coordinator_->next_deadline();
+  if (local_workers_) due = std::min(due, next_look_);
+  if (observer_ && is_unobserved_) due = std::min(due, next_observation_);
+  const Time wait = std::min(pause, due - monotonic_now());
   transport_->wait(std::chrono::ceil<std::chrono::milliseconds>(std::max(wait, Time{0})));
   receive();
   const Time now = monotonic_now();
   if (now >= coordinator_->next_deadline()) coordinator_->on_tick(now);
   if (local_workers_ && now >= next_look_) attend_local_workers(now);
   const uint64_t news = coordinator_->news();
-  if (observer_ && (now >= next_observation_ || news != observed_news_)) {
+  const bool woken = woken_.exchange(false);
+  if (observer_ && (woken || now >= next_observation_ || news != observed_news_)) {
     next_observation_ = now + observe_every_;
+    is_unobserved_ = false;
     observed_news_ = news;
     observer_(*coordinator_, now);
   }
@@ -130,6 +144,7 @@ void RenderLoop::receive() {
   for (int i = 0; i < kMessagesPerRound; ++i) {
     const auto received = transport_->receive();
     if (!received) return;
+    is_unobserved_ = true;
     const Time start = monotonic_now();
     const auto message = decode(received->bytes, max_message_bytes(received->channel));
     if (!message) {
@@ -205,10 +220,20 @@ void RenderLoop::let_in(AllowList allowed) {
   deliver();
 }
 
+void RenderLoop::tell_way(const PeerId& peer, v1::Envelope& message) const {
+  if (message.has_welcome()) {
+    message.mutable_welcome()->set_bulk_endpoint(transport_->bulk_endpoint_for(peer));
+    message.mutable_welcome()->set_compress_pixels(transport_->comes_by_network(peer));
+  } else if (message.has_job_status()) {
+    message.mutable_job_status()->set_bulk_endpoint(transport_->bulk_endpoint_for(peer));
+  }
+}
+
 void RenderLoop::deliver() {
   for (auto messages = coordinator_->take_outgoing(); !messages.empty();
        messages = coordinator_->take_outgoing()) {
-    for (const OutgoingMessage& out : messages) {
+    for (OutgoingMessage& out : messages) {
+      if (out.channel == Channel::control) tell_way(out.peer, out.message);
       const SendResult sent = transport_->send(out.channel, out.peer, encode(out.message));
       // What was dropped for a peer that does not read is told again when it does.
       if (sent == SendResult::gone && out.channel == Channel::control) {
@@ -223,26 +248,33 @@ void RenderLoop::kill_silent(Time now) {
   for (const pid_t process : local_workers_->processes()) {
     if (coordinator_->workers().knows_process(process)) continue;
     const auto known = silent_since_.find(process);
-    const Time since = known == silent_since_.end() ? now : known->second;
+    Time since = known == silent_since_.end() ? now : known->second;
+    if (now - since > greeting_) {
+      local_workers_->kill_silent(process);
+      since = Time::max();  // once, though it may not have ended by the next look
+    }
     silent.emplace(process, since);
-    if (now - since > greeting_) local_workers_->kill_stuck(process);
   }
   silent_since_ = std::move(silent);
 }
 
 void RenderLoop::attend_local_workers(Time now) {
-  next_look_ = now + kLookAtProcesses;
-  const uint64_t done = coordinator_->progress(now).tiles_done;
-  if (done != std::exchange(tiles_done_, done)) local_workers_->note_progress();
+  const JobProgress progress = coordinator_->progress(now);
+  const bool is_idle = progress.tiles_done == progress.tiles_total;
+  next_look_ = now + (is_idle ? kLongestWait : kLookAtProcesses);
+  if (progress.tiles_done != std::exchange(tiles_done_, progress.tiles_done))
+    local_workers_->note_progress();
   kill_silent(now);
   for (const pid_t process : coordinator_->take_stuck_processes()) {
     local_workers_->kill_stuck(process);
   }
+  const std::vector<EndedProcess> ended = local_workers_->collect_ended();
+  for (const EndedProcess& process : ended)
+    coordinator_->on_process_ended(process.pid, process.crashed, process.how, now);
   try {
-    for (const EndedProcess& ended : local_workers_->replace_ended()) {
-      coordinator_->on_process_ended(ended.pid, ended.crashed, ended.how, now);
-    }
+    local_workers_->replace(ended, now);
   } catch (const Error& error) {
+    spdlog::error("{}", error.what());
     coordinator_->fail_jobs(error.what(), now);
   }
 }

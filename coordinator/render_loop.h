@@ -3,11 +3,13 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/tally.h"
 #include "coordinator/coordinator_options.h"
@@ -23,7 +25,8 @@ class JobStore;
 class KeyRegistry;
 class TileStore;
 
-/// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread.
+/// Moves messages between a ServerTransport, which it owns, and a Coordinator. Used by one thread,
+/// except for wake().
 class RenderLoop {
  public:
   /// `store` as for Coordinator.
@@ -31,8 +34,9 @@ class RenderLoop {
              std::shared_ptr<JobStore> store = nullptr);
   ~RenderLoop();
 
-  /// Where workers connect to.
+  /// Where workers connect to; of several endpoints, the first.
   std::string endpoint() const { return transport_->endpoint(); }
+  std::vector<std::string> endpoints() const { return transport_->endpoints(); }
 
   /// Worker processes to watch and replace while this runs; may be null. The caller keeps them.
   void watch(LocalWorkers* workers) { local_workers_ = workers; }
@@ -40,14 +44,23 @@ class RenderLoop {
   /// Renders one job to its end, or until `stop` is set (then its end is `interrupted`, and the
   /// film holds what came until then; `stop` is looked at every 50 ms). May be called again for
   /// further jobs: workers stay. If local workers cannot be kept alive, the job fails. Throws
-  /// usage_error for a frame, crop or tile size that cannot be. `tiles` as of
+  /// usage_error for a frame, crop or tile size that cannot be, and whatever `progress` throws or
+  /// memory is short of; others may be rendered after that. `tiles` as of
   /// Coordinator::submit().
   JobResult run(JobSpec job, const ProgressCallback& progress, const std::atomic<bool>& stop,
                 std::shared_ptr<TileStore> tiles = nullptr);
 
-  /// Calls `look` from now on about so often, and when there are Coordinator::news(), on the thread
-  /// that runs or serves: for a page or a monitor.
+  /// Answers workers for at most 50 ms, or until wake(): between jobs.
+  void attend() { step(kLongestWait); }
+
+  /// Calls `look` from now on: where messages come, within `every`; at once when there are
+  /// Coordinator::news(); else when the loop wakes for something else, some 20 times a second. On
+  /// the thread that runs or serves: for a page or a monitor.
   void observe(std::function<void(Coordinator&, Time now)> look, Time every);
+  /// Ends the wait for messages that is under way, or else the next one, and has the observer
+  /// called right after it, though it be not due. What the observer submits or interrupts leaves
+  /// for the workers in the same round. Any thread may call this, as long as this object lives.
+  void wake();
   /// Serves workers and clients that submit jobs until `stop` is set; then for at most `drain`
   /// until the workers have sent what they trace. `each_round`, where given, is called at least
   /// every 50 ms until then.
@@ -67,6 +80,10 @@ class RenderLoop {
   void bid_farewell(const std::string& reason);
 
  private:
+  static constexpr Time kLongestWait = std::chrono::milliseconds(50);
+
+  /// Of a job that was submitted here.
+  JobResult wait_for(uint64_t id, const ProgressCallback& progress, const std::atomic<bool>& stop);
   /// Waits for messages for at most `pause`, and handles what came and what is due.
   void step(Time pause);
   void receive();
@@ -76,6 +93,9 @@ class RenderLoop {
   void enrol(const ReceivedMessage& received, const v1::Enrol& request);
   void let_in(AllowList allowed);
   void deliver();
+  /// Adds what the coordinator does not know, as its peers come by a transport: where that peer
+  /// finds blobs, and whether it shall pack its pixels.
+  void tell_way(const PeerId& peer, v1::Envelope& message) const;
   void attend_local_workers(Time now);
   /// Kills local workers that were stopped before they could say hello.
   void kill_silent(Time now);
@@ -93,6 +113,8 @@ class RenderLoop {
   std::function<void(Coordinator&, Time)> observer_;
   Time observe_every_{}, next_observation_{};
   uint64_t observed_news_ = 0;
+  bool is_unobserved_ = false;      ///< a message has come since the observer was last called
+  std::atomic<bool> woken_{false};  ///< by wake(), since the observer was last called
 };
 
 }  // namespace tessera

@@ -32,6 +32,8 @@ install_packages() {
 }
 
 installed() {
+  # Node.js as its makers package it has npm in it, and Debian's npm cannot stand beside that.
+  if [[ $1 == npm ]] && command -v npm >/dev/null; then return 0; fi
   [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
 }
 

@@ -1,7 +1,9 @@
 #include "front/farm_thread.h"
 
 #include <exception>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -18,25 +20,47 @@ FarmThread::~FarmThread() {
 
 void FarmThread::submit(std::shared_ptr<FrameTask> task) {
   const std::lock_guard lock(state_->mutex);
-  if (state_->closed) throw usage_error("farm: it is closed; expected one that is open");
+  if (state_->closed) throw std::runtime_error("farm: it is closed; expected one that is open");
+  if (state_->running || !state_->waiting.empty()) task->queue();
   state_->waiting.push_back(std::move(task));
-  state_->changed.notify_all();
+  state_->wake();
 }
 
 void FarmThread::close() {
+  // To cancel frees scenes that nobody else has: once the lock is given back.
+  std::vector<std::shared_ptr<FrameTask>> tasks;
   {
     const std::lock_guard lock(state_->mutex);
     state_->closed = true;
-    if (state_->running) state_->running->cancel();
-    for (const auto& task : state_->waiting) task->cancel();
-    state_->changed.notify_all();
+    tasks.assign(state_->waiting.begin(), state_->waiting.end());
+    if (state_->running) tasks.push_back(state_->running);
+    state_->wake();
   }
+  for (const auto& task : tasks) task->cancel();
   if (state_->thread.joinable()) state_->thread.join();
+}
+
+void FarmThread::State::wake() {
+  changed.notify_all();
+  if (farm) farm->wake();
 }
 
 std::shared_ptr<FrameTask> FarmThread::State::next_task() {
   std::unique_lock lock(mutex);
-  changed.wait(lock, [this] { return closed || !waiting.empty(); });
+  for (bool attends = farm && !failure; !closed && waiting.empty();) {
+    if (!attends) {
+      changed.wait(lock);
+      continue;
+    }
+    lock.unlock();
+    try {
+      attends = farm->attend();
+    } catch (...) {
+      failure = std::current_exception();
+      attends = false;
+    }
+    lock.lock();
+  }
   if (waiting.empty()) return nullptr;
   running = std::move(waiting.front());
   waiting.pop_front();
@@ -44,13 +68,17 @@ std::shared_ptr<FrameTask> FarmThread::State::next_task() {
 }
 
 void FarmThread::State::run() {
-  std::unique_ptr<TracingFarm> farm;
-  std::exception_ptr failure;
+  std::unique_ptr<TracingFarm> started;
   try {
-    farm = start();
+    started = start();
   } catch (...) {
     failure = std::current_exception();
   }
+  const auto set_farm = [this](TracingFarm* now) {
+    const std::lock_guard lock(mutex);
+    farm = now;
+  };
+  set_farm(started.get());
   while (const auto task = next_task()) {
     if (failure) {
       task->fail(failure);
@@ -61,6 +89,7 @@ void FarmThread::State::run() {
     const std::lock_guard lock(mutex);
     running = nullptr;
   }
+  set_farm(nullptr);
 }
 
 }  // namespace tessera

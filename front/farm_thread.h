@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -28,7 +29,7 @@ class FarmThread {
   FarmThread(const FarmThread&) = delete;
   FarmThread& operator=(const FarmThread&) = delete;
 
-  /// Throws usage_error once the farm is closed.
+  /// Throws std::runtime_error once the farm is closed.
   void submit(std::shared_ptr<FrameTask> task);
   /// Cancels what runs and waits until workers, sockets and folders are gone. May be called again.
   void close();
@@ -38,13 +39,18 @@ class FarmThread {
     Start start;
     std::mutex mutex;
     std::condition_variable changed;
+    TracingFarm* farm = nullptr;  ///< null: not started yet, or ended
+    std::exception_ptr failure;   ///< of the farm, for its thread; null: none
     std::deque<std::shared_ptr<FrameTask>> waiting;
     std::shared_ptr<FrameTask> running;
     bool closed = false;
     std::thread thread;
 
     void run();
+    /// Answers the farm's workers until there is one; null once it is closed.
     std::shared_ptr<FrameTask> next_task();
+    /// Ends the wait for the next task.
+    void wake();
   };
 
   ProcessOwned<State> state_;

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/cancellation.h"
+#include "front/picture.h"
 #include "front/picture_warnings.h"
 #include "front/statistics.h"
 
@@ -42,7 +44,13 @@ bool FrameTask::wait(std::chrono::microseconds time) const {
 
 JobProgress FrameTask::progress() const {
   const std::lock_guard lock(mutex_);
-  return progress_;
+  JobProgress progress = progress_;
+  if (!is_done_) progress.elapsed_seconds = seconds_since_it_began();
+  return progress;
+}
+
+double FrameTask::seconds_since_it_began() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
 }
 
 void FrameTask::keep_tiles() { keeps_tiles_ = true; }
@@ -75,15 +83,40 @@ std::vector<std::string> FrameTask::warnings() const {
   return picture_ ? report_warnings(picture_->report) : std::vector<std::string>();
 }
 
+void FrameTask::cancel() {
+  stop_ = true;
+  if (has_begun_.exchange(true)) return;
+  JobReport report;
+  report.end = JobReport::End::interrupted;
+  end(nullptr, std::make_exception_ptr(*frame_.failure(report)));
+}
+
+void FrameTask::abandon() {
+  is_abandoned_ = true;
+  cancel();
+}
+
+void FrameTask::queue() {
+  const std::lock_guard lock(mutex_);
+  progress_.waiting_for = "another picture of the same farm";
+}
+
 void FrameTask::run(TracingFarm& farm) {
+  if (has_begun_.exchange(true)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    progress_.waiting_for.clear();
+  }
   try {
     trace(farm);
   } catch (...) {
-    fail(std::current_exception());
+    end(nullptr, std::current_exception());
   }
 }
 
-void FrameTask::fail(std::exception_ptr failure) { end(nullptr, std::move(failure)); }
+void FrameTask::fail(std::exception_ptr failure) {
+  if (!has_begun_.exchange(true)) end(nullptr, std::move(failure));
+}
 
 void FrameTask::take(const NewTiles& news) {
   const std::lock_guard lock(mutex_);
@@ -105,17 +138,39 @@ void FrameTask::trace(TracingFarm& farm) {
   peak_worker_bytes_ = farm.peak_worker_bytes();
   // It is not needed while the picture is denoised, which takes memory too.
   scene_.loaded = {};
-  const std::optional<Error> failure = frame_.failure(result.report);
-  std::shared_ptr<RenderedPicture> picture;
-  if (result.report.tiles_done > 0 || !failure) picture = finished(std::move(result));
-  end(std::move(picture), failure ? std::make_exception_ptr(*failure) : nullptr);
+  std::optional<RenderedPicture> picture;
+  if (result.report.end == JobReport::End::done) {
+    tell_traced(result.report);
+    try {
+      const Cancellation cancellation(&stop_);
+      picture = frame_.picture(result);
+    } catch (const WorkCancelled&) {
+      result.report.end = JobReport::End::interrupted;
+    }
+  }
+  if (picture) return end(with_statistics(std::move(*picture)), nullptr);
+  const Error failure = *frame_.failure(result.report);
+  if (result.report.tiles_done > 0 && !is_abandoned_) {
+    picture = frame_.picture(result);
+    return end(with_statistics(std::move(*picture)), std::make_exception_ptr(failure));
+  }
+  end(nullptr, std::make_exception_ptr(failure));
 }
 
-std::shared_ptr<RenderedPicture> FrameTask::finished(JobResult result) const {
-  auto picture = std::make_shared<RenderedPicture>(frame_.picture(std::move(result)));
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - began_;
-  const PhaseSeconds seconds{
-      .parse = scene_.load_seconds, .write = 0, .total = scene_.load_seconds + taken.count()};
+void FrameTask::tell_traced(const JobReport& report) {
+  const std::lock_guard lock(mutex_);
+  progress_.tiles_done = report.tiles_done;
+  progress_.tiles_total = report.tiles_total;
+  progress_.remaining_seconds = 0;
+  if (is_denoised(options_.denoise, report, frame_.settings()))
+    progress_.waiting_for = "the denoiser";
+}
+
+std::shared_ptr<RenderedPicture> FrameTask::with_statistics(RenderedPicture made) const {
+  auto picture = std::make_shared<RenderedPicture>(std::move(made));
+  const PhaseSeconds seconds{.parse = scene_.load_seconds,
+                             .write = 0,
+                             .total = scene_.load_seconds + seconds_since_it_began()};
   FrameStatistics statistics = frame_.statistics(*picture, seconds, peak_worker_bytes_);
   statistics.pixels_sha256 = picture->film.pixels_sha256();
   picture->statistics = statistics_json(statistics).dump();
@@ -130,6 +185,7 @@ void FrameTask::end(std::shared_ptr<RenderedPicture> picture, std::exception_ptr
     progress_.tiles_total = picture->report.tiles_total;
     partial_.reset();
   }
+  progress_.elapsed_seconds = seconds_since_it_began();
   progress_.remaining_seconds = 0;
   progress_.waiting_for.clear();
   picture_ = std::move(picture);

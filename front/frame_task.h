@@ -25,17 +25,19 @@ class FrameTask {
   /// Whether it is done, or was within that time.
   bool wait(std::chrono::microseconds time) const;
   bool is_done() const { return wait(std::chrono::microseconds(0)); }
-  /// Ends it soon, if it is not done; its picture then holds what came until then.
-  void cancel() { stop_ = true; }
+  /// Ends it soon, at once where it has not begun; its picture then holds what came until then.
+  void cancel();
   bool is_cancelled() const { return stop_; }
+  /// As cancel(), sooner: nobody wants what came until then.
+  void abandon();
   JobProgress progress() const;
 
   /// From now on take_tiles() has what becomes done.
   void keep_tiles();
   /// Tiles that became done since the last call.
   std::vector<PixelRect> take_tiles();
-  /// What is done of the picture, the rest black. Null before the first tile, and without
-  /// keep_tiles().
+  /// What is done of the picture, the rest black. Until it is done, null before the first tile and
+  /// without keep_tiles().
   std::shared_ptr<RenderedPicture> snapshot() const;
 
   /// The picture, or what was done of it; null where there is none. Once it is done.
@@ -45,6 +47,8 @@ class FrameTask {
   /// What is to be told of the picture. Once it is done.
   std::vector<std::string> warnings() const;
 
+  /// Says that others of the same farm come first.
+  void queue();
   // Called by the farm's thread.
   void run(TracingFarm& farm);
   void fail(std::exception_ptr failure);
@@ -52,7 +56,9 @@ class FrameTask {
  private:
   void trace(TracingFarm& farm);
   void take(const NewTiles& news);
-  std::shared_ptr<RenderedPicture> finished(JobResult result) const;
+  void tell_traced(const JobReport& report);
+  std::shared_ptr<RenderedPicture> with_statistics(RenderedPicture made) const;
+  double seconds_since_it_began() const;
   void end(std::shared_ptr<RenderedPicture> picture, std::exception_ptr failure);
 
   const RenderOptions options_;
@@ -61,7 +67,9 @@ class FrameTask {
   const FrameRender frame_;
   uint64_t peak_worker_bytes_ = 0;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::atomic<bool> has_begun_{false};  ///< or will never begin
   std::atomic<bool> stop_{false};
+  std::atomic<bool> is_abandoned_{false};
   std::atomic<bool> keeps_tiles_{false};
 
   mutable std::mutex mutex_;

@@ -22,10 +22,8 @@ namespace {
 v1::JobStatus ask_while_fetching(FarmClient& client, const v1::JobQuery& query) {
   v1::JobStatus status = client.ask(query);
   if (status.state() != v1::JobStatus::UNKNOWN) return status;
-  throw render_error(
-      fmt::format("job {} was forgotten while it was fetched; expected it to be there until its "
-                  "pictures are",
-                  query.job()));
+  throw render_error(fmt::format(
+      "job {} is forgotten; expected it to be there until its pictures are fetched", query.job()));
 }
 
 ExitCode code_of_failure(uint32_t told) {
@@ -42,8 +40,7 @@ std::optional<Error> failure_of(uint64_t job, const JobReport& report) {
   return Error(report.exit_code, report.failure);
 }
 
-void smooth(Film& film, const v1::FrameSettings& settings) {
-  check_shows_light(settings);
+void smooth(Film& film) {
   const AovSet needed = denoising_aovs();
   if ((film.aovs().bits() & needed.bits()) != needed.bits()) {
     throw usage_error(
@@ -68,8 +65,9 @@ std::optional<Film> fetch_film(FarmClient& client, const v1::JobQuery& query,
 }
 
 RenderedPicture picture_of(const v1::JobFrame& frame, Film film, JobReport report, bool denoises) {
-  const bool denoised = denoises && report.holes.empty();
-  if (denoised) smooth(film, frame.settings());
+  if (denoises) check_denoisable(frame.settings());
+  const bool denoised = is_denoised(denoises, report, frame.settings());
+  if (denoised) smooth(film);
   return {.film = std::move(film),
           .output = frame.output(),
           .metadata =
@@ -135,6 +133,11 @@ void forget_job(FarmClient& client, uint64_t job) {
   query.set_action(v1::JobQuery::FORGET);
   const v1::JobStatus after = client.ask(query);
   if (after.state() == v1::JobStatus::UNKNOWN) return;
+  if (after.state() != v1::JobStatus::ENDED) {
+    throw usage_error(
+        fmt::format("JOB: job {} is {}; expected one that has ended, or was cancelled", job,
+                    state_name(after)));
+  }
   throw render_error(fmt::format("job {} is {}, but could not be forgotten{}", job,
                                  state_name(after),
                                  after.failure().empty() ? "" : ": " + printable(after.failure())));

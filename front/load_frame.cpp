@@ -19,7 +19,7 @@ ReadOptions reading_of(const RenderOptions& options, int frame) {
 
 LoadedScene load_frame(const RenderOptions& options, int frame) {
   LoadedScene loaded = read_scene(options.scene, reading_of(options, frame));
-  apply_camera_options(options, loaded.scene);
+  apply_scene_options(options, loaded.scene);
   return loaded;
 }
 
@@ -28,15 +28,19 @@ LoadedScene load_frame(const RenderOptions& options, const SceneWithBlobs& made,
   loaded.scene = made.scene;
   loaded.blobs = made.blobs;
   add_files(loaded, options.scene, reading_of(options, frame));
-  apply_camera_options(options, loaded.scene);
+  apply_scene_options(options, loaded.scene);
   return loaded;
 }
 
-void apply_camera_options(const RenderOptions& options, v1::Scene& scene) {
+void apply_scene_options(const RenderOptions& options, v1::Scene& scene) {
   for (v1::Camera& camera : *scene.mutable_cameras()) {
     if (options.pinhole) camera.clear_lens();
     if (options.frame_all) camera.set_frame_all(true);
   }
+  // Where neither is given the message stays absent, as it is then in the scene's digest.
+  const auto integrator = [&scene] { return scene.mutable_settings()->mutable_integrator(); };
+  if (options.max_depth) integrator()->set_max_depth(*options.max_depth);
+  if (options.shadows) integrator()->set_shadows(*options.shadows);
 }
 
 }  // namespace tessera

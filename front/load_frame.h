@@ -13,7 +13,7 @@ LoadedScene load_frame(const RenderOptions& options, int frame);
 /// is read from the current folder, or that of --assets.
 LoadedScene load_frame(const RenderOptions& options, const SceneWithBlobs& made, int frame);
 
-/// What of the options changes the cameras of a scene: --pinhole and --frame-all.
-void apply_camera_options(const RenderOptions& options, v1::Scene& scene);
+/// What of the options changes a scene: --pinhole, --frame-all, --max-depth and --shadows.
+void apply_scene_options(const RenderOptions& options, v1::Scene& scene);
 
 }  // namespace tessera

@@ -24,7 +24,9 @@ void assign_option(const OptionList& options, const std::string& long_name,
   const bool* is_set = std::get_if<bool>(&value);
   const bool is_flag = found->type.empty();
   if (is_set && !is_flag) {
-    throw usage_error(fmt::format("--{}: {}; expected {}", long_name, *is_set, found->type));
+    const std::string text = *is_set ? "true" : "false";
+    found->assign(text);  // which tells what is expected, if this is not
+    throw usage_error(fmt::format("--{}: '{}'; expected {}", long_name, text, found->type));
   }
   if (!is_set && is_flag) {
     throw usage_error(

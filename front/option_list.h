@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
@@ -17,7 +18,9 @@ struct Option {
   std::string help;
   /// Takes the value as text; of a flag the text is empty. Throws usage_error for a wrong value.
   std::function<void(const std::string&)> assign;
-  bool repeats = false;  ///< may be given more than once
+  bool repeats = false;                ///< may be given more than once
+  std::vector<std::string> choices{};  ///< the names that it takes; empty: what it takes is no name
+  int64_t most = 0;                    ///< the largest number that it takes; 0: there is none
 
   /// Without dashes, such as "spp" or "output".
   std::string long_name() const { return names.substr(names.rfind("--") + 2); }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/choice.h"
 #include "base/error.h"
 
 namespace tessera {
@@ -130,9 +131,7 @@ FrameRange parse_frames(std::string_view option, std::string_view text) {
 
 std::string parse_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names) {
-  for (const std::string& name : names) {
-    if (name == text) return text;
-  }
+  if (const auto name = find_choice(names, text)) return *name;
   throw usage_error(fmt::format("{}: '{}'; expected one of {}{}", option, text,
                                 fmt::join(names, ", "), suggestion(text, names)));
 }

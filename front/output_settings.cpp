@@ -95,12 +95,18 @@ void add_output_options(OptionList& list, OutputOptions& options) {
   group.add(
       "--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
       [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
-  group.add("--tone-map", "KIND", of_scene(tone_map_names()), [&options](const std::string& text) {
-    options.tone_map = parse_choice("--tone-map", text, tone_map_names());
-  });
-  group.add("--transfer", "KIND", of_scene(transfer_names()), [&options](const std::string& text) {
-    options.transfer = parse_choice("--transfer", text, transfer_names());
-  });
+  group
+      .add("--tone-map", "KIND", of_scene(tone_map_names()),
+           [&options](const std::string& text) {
+             options.tone_map = parse_choice("--tone-map", text, tone_map_names());
+           })
+      .choices = tone_map_names();
+  group
+      .add("--transfer", "KIND", of_scene(transfer_names()),
+           [&options](const std::string& text) {
+             options.transfer = parse_choice("--transfer", text, transfer_names());
+           })
+      .choices = transfer_names();
   group.add("--gamma", "G", "--transfer gamma with this exponent [the scene's, or 2.2]",
             [&options](const std::string& text) {
               const double gamma = parse_number("--gamma", text);

@@ -8,7 +8,10 @@ namespace tessera {
 
 void check_picture_options(const RenderOptions& options, const v1::FrameSettings& settings) {
   crop_window(options, settings);
-  if (!options.denoise) return;
+  if (options.denoise) check_denoisable(settings);
+}
+
+void check_denoisable(const v1::FrameSettings& settings) {
   check_shows_light(settings);
   if (settings.samples_per_pixel() > 1) return;
   throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
@@ -24,14 +27,14 @@ JobSpec picture_job(const RenderOptions& options, const LoadedScene& loaded,
           .kept_tiles = options.resume ? kept_tiles_path(options) : std::filesystem::path()};
 }
 
-bool is_denoised(const RenderOptions& options, const JobReport& report,
-                 const v1::FrameSettings& settings) {
-  return options.denoise && report.holes.empty() && settings.samples_per_pixel() > 1;
+bool is_denoised(bool is_asked_for, const JobReport& report, const v1::FrameSettings& settings) {
+  return is_asked_for && report.end == JobReport::End::done && report.holes.empty() &&
+         settings.samples_per_pixel() > 1;
 }
 
 void finish_picture(const RenderOptions& options, const v1::FrameSettings& settings,
                     JobResult& result) {
-  if (is_denoised(options, result.report, settings)) denoise(result.film, core_count());
+  if (is_denoised(options.denoise, result.report, settings)) denoise(result.film, core_count());
   if (result.film.aovs() != options.aovs) result.film = result.film.with_only(options.aovs);
 }
 

@@ -14,14 +14,16 @@ namespace tessera {
 /// denoising of what is no light or has one sample.
 void check_picture_options(const RenderOptions& options, const v1::FrameSettings& settings);
 
+/// The second of those alone.
+void check_denoisable(const v1::FrameSettings& settings);
+
 /// The job that traces a frame of the scene.
 JobSpec picture_job(const RenderOptions& options, const LoadedScene& loaded,
                     const v1::FrameSettings& settings);
 
-/// Whether the picture is one of --denoise. One with holes is left alone, and so are passes of one
-/// sample.
-bool is_denoised(const RenderOptions& options, const JobReport& report,
-                 const v1::FrameSettings& settings);
+/// Whether the picture is denoised, where that was asked for. One with holes is left alone, and so
+/// are passes of one sample.
+bool is_denoised(bool is_asked_for, const JobReport& report, const v1::FrameSettings& settings);
 
 /// From what was traced to what was asked for: denoises, and leaves out what only that looked at.
 void finish_picture(const RenderOptions& options, const v1::FrameSettings& settings,

@@ -9,6 +9,7 @@
 
 #include "base/plural.h"
 #include "job/scene_motion.h"
+#include "proto/wire/printable.h"
 #include "renderer/image/image_file.h"
 #include "renderer/scene/read_settings.h"
 
@@ -69,6 +70,68 @@ bool may_shine(const pb::Message& message) {
   return message.GetDescriptor() == v1::Fog::descriptor();
 }
 
+/// What is odd about numbers of one kind: told of the first, with how many others there are.
+class OddNumbers {
+ public:
+  void add(std::string where) {
+    if (count_++ == 0) first_ = std::move(where);
+  }
+  void tell(std::string_view expected, std::vector<std::string>& warnings) const {
+    if (count_ == 0) return;
+    const std::string others =
+        count_ > 1 ? fmt::format("; {} more like it", count_ - 1) : std::string();
+    warnings.push_back(fmt::format("{}; {}{}", first_, expected, others));
+  }
+
+ private:
+  std::string first_;
+  size_t count_ = 0;
+};
+
+std::string named(std::string_view kind, const std::string& name) {
+  return name.empty() ? std::string(kind) : fmt::format("{} '{}'", kind, printable(name));
+}
+
+/// A little above 1 is what rounding makes of 1.
+bool is_above_one(const v1::Color& color) {
+  constexpr double kOne = 1 + 1e-6;
+  return color.r() > kOne || color.g() > kOne || color.b() > kOne;
+}
+
+bool has_negative(const v1::Color& color) {
+  return color.r() < 0 || color.g() < 0 || color.b() < 0;
+}
+
+std::string numbers_of(const v1::Color& color) {
+  return fmt::format("({:g}, {:g}, {:g})", color.r(), color.g(), color.b());
+}
+
+/// Surfaces that send back more light than they get, and lights that take some away.
+void add_odd_numbers(const v1::Scene& scene, std::vector<std::string>& warnings) {
+  OddNumbers reflected, taken;
+  for (const v1::Material& material : scene.materials()) {
+    const v1::ColorInput& color =
+        material.has_physical() ? material.physical().base_color() : material.classic().diffuse();
+    if (!color.texture().empty() || !is_above_one(color.value())) continue;
+    reflected.add(fmt::format("{}: {} is {}", named("material", material.name()),
+                              material.has_physical() ? "base_color" : "diffuse",
+                              numbers_of(color.value())));
+  }
+  any_message(scene, [&taken](const pb::Message& message) {
+    const auto* light = dynamic_cast<const v1::Light*>(&message);
+    if (light && light->intensity() < 0) {
+      taken.add(
+          fmt::format("{}: intensity is {:g}", named("light", light->name()), light->intensity()));
+    } else if (light && has_negative(light->color())) {
+      taken.add(fmt::format("{}: color is {}", named("light", light->name()),
+                            numbers_of(light->color())));
+    }
+    return false;
+  });
+  reflected.tell("expected at most 1, as more light would come back than came", warnings);
+  taken.tell("expected 0 or more, as it takes light away", warnings);
+}
+
 std::string kind_of(const RenderOptions& options, const v1::Scene& scene) {
   return options.integrator.value_or(scene.settings().integrator().kind());
 }
@@ -88,6 +151,7 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
   if (is_all_black(options, loaded.scene)) {
     warnings.push_back("the scene has no light, emission or background: the picture will be black");
   }
+  if (shows_light(kind_of(options, loaded.scene))) add_odd_numbers(loaded.scene, warnings);
   const bool several = options.frames && options.frames->first < options.frames->last;
   if (several && !loaded.depends_on_frame && !moves(loaded.scene)) {
     warnings.push_back("nothing in the scene depends on the frame: all pictures will be the same");

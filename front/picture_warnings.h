@@ -10,7 +10,7 @@
 namespace tessera {
 
 /// What of the pictures asked for will hardly be what was meant: all of them black, or all the
-/// same.
+/// same, surfaces that send back more light than they get, lights that take some away.
 std::vector<std::string> picture_warnings(const RenderOptions& options, const LoadedScene& loaded);
 /// Those, after what was told of reading the scene: each once.
 std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);

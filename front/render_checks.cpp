@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <set>
 
+#include "base/all_failures.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/process.h"
-#include "front/all_failures.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {
@@ -54,6 +54,9 @@ void check_render_options(const RenderOptions& options) {
     throw usage_error("--tev: shows what worker processes trace; expected --workers above 0");
   }
   check_instant(options, options.frames.has_value());
+  if (options.frames_per_second && !options.frames) {
+    throw usage_error("--fps: is for the frames of an animation; expected --frames beside it");
+  }
   if (options.scene == "-") {
     throw usage_error("SCENE: '-'; expected a file: standard input is not read");
   }
@@ -71,7 +74,7 @@ void check_outputs(const RenderOptions& options) {
         paths.front().string(), paths.front().stem().concat(".exr").string()));
   }
   const auto first = [&options](const std::filesystem::path& path) {
-    return options.frames ? numbered_path(path, options.frames->first) : path;
+    return frame_path(path, options.frames ? std::optional(options.frames->first) : std::nullopt);
   };
   AllFailures failures;
   for (const auto& path : paths) {

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "base/digest.h"
 #include "front/located.h"
 #include "front/output_settings.h"
 #include "front/picture.h"
@@ -16,7 +15,7 @@ FrameScene measured(const std::function<LoadedScene()>& load) {
   FrameScene scene{.loaded = load()};
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   scene.load_seconds = taken.count();
-  scene.digest = Digest::of(serialize_scene(scene.loaded.scene)).hex();
+  scene.digest = scene_digest(scene.loaded.scene);
   return scene;
 }
 
@@ -42,11 +41,15 @@ uint64_t FrameRender::sample_count() const {
          settings_.samples_per_pixel();
 }
 
+JobSpec FrameRender::job(const LoadedScene& scene) const {
+  return picture_job(*options_, scene, settings_);
+}
+
 JobResult FrameRender::trace(TracingFarm& farm, LoadedScene& scene,
                              const ProgressCallback& progress,
                              const std::atomic<bool>& stop) const {
   farm.share(scene.blobs);
-  return farm.run(picture_job(*options_, scene, settings_), progress, stop);
+  return farm.run(job(scene), progress, stop);
 }
 
 std::optional<Error> FrameRender::failure(const JobReport& report) const {
@@ -61,10 +64,10 @@ std::optional<Error> FrameRender::failure(const JobReport& report) const {
   }
 }
 
-RenderedPicture FrameRender::picture(JobResult result) const {
+RenderedPicture FrameRender::picture(JobResult& result) const {
   finish_picture(*options_, settings_, result);
   ImageMetadata metadata = picture_metadata(
-      settings_, is_denoised(*options_, result.report, settings_), output_, scene_digest_);
+      settings_, is_denoised(options_->denoise, result.report, settings_), output_, scene_digest_);
   return {.film = std::move(result.film),
           .output = output_,
           .metadata = std::move(metadata),

@@ -35,13 +35,16 @@ class FrameRender {
   /// How many samples all of it takes, at the most.
   uint64_t sample_count() const;
 
+  /// The job that traces it. `scene` is the one that it was made with.
+  JobSpec job(const LoadedScene& scene) const;
   /// Has it traced until `stop` is set. `scene` is the one that it was made with.
   JobResult trace(TracingFarm& farm, LoadedScene& scene, const ProgressCallback& progress,
                   const std::atomic<bool>& stop) const;
   /// What it failed with; nothing where it is done.
   std::optional<Error> failure(const JobReport& report) const;
-  /// What was asked for of what was traced, without statistics.
-  RenderedPicture picture(JobResult result) const;
+  /// What was asked for of what was traced, without statistics. Takes film and report out of
+  /// `result`, which is left as it was where a Cancellation of the caller ends it.
+  RenderedPicture picture(JobResult& result) const;
   /// What --stats tells of it, but for the digest of its pixels.
   FrameStatistics statistics(const RenderedPicture& picture, const PhaseSeconds& seconds,
                              uint64_t peak_worker_bytes) const;

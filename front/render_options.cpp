@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "base/error.h"
@@ -12,13 +13,12 @@
 #include "front/read_options.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/denoise/denoiser.h"
+#include "renderer/image/animation_file.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
-
-constexpr double kDefaultFramesPerSecond = 24;
 
 /// "a, b or c; note [a]" for a help text.
 std::string choices(const std::vector<std::string>& names, std::string_view note) {
@@ -51,15 +51,16 @@ void assign_filter(RenderOptions& options, const std::string& text) {
 
 void add_sampling_options(OptionList& list, RenderOptions& options) {
   OptionGroup group(list, "Samples");
-  group.add(
-      "--spp", "N",
-      fmt::format("Samples per pixel; with --target-error the most [the scene's, or 1: a quick "
-                  "look, with jagged edges; with --target-error {}]",
-                  kDefaultMostSamples),
-      [&options](const std::string& text) {
-        options.samples_per_pixel =
-            static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
-      });
+  group
+      .add("--spp", "N",
+           fmt::format("Samples per pixel; with --target-error the most [the scene's, or 1: a "
+                       "quick look, with jagged edges; with --target-error {}]",
+                       kDefaultMostSamples),
+           [&options](const std::string& text) {
+             options.samples_per_pixel =
+                 static_cast<uint32_t>(parse_whole("--spp", text, 1, kMaxSamplesPerPixel));
+           })
+      .most = kMaxSamplesPerPixel;
   group.add(
       "--target-error", "E",
       "Sample each block of 4x4 pixels until its estimated standard error is below E, 1 being "
@@ -78,20 +79,23 @@ void add_sampling_options(OptionList& list, RenderOptions& options) {
               options.min_samples =
                   static_cast<uint32_t>(parse_whole("--min-spp", text, 1, kMaxSamplesPerPixel));
             });
-  group.add("--filter", "NAME[:RADIUS]",
-            fmt::format(
-                "{}: how samples weigh about a pixel's centre; RADIUS in pixels: .5, 1, 1.5, 2, 2 "
-                "if left out [the scene's, or box]",
-                fmt::join(pixel_filter_names(), ", ")),
-            [&options](const std::string& text) { assign_filter(options, text); });
-  group.add(
-      "--pattern", "NAME",
-      fmt::format("{}: how samples are spread; blue-noise evens their error out over the picture "
-                  "[the scene's, or owen-sobol; center for one sample]",
-                  fmt::join(sample_pattern_names(), ", ")),
-      [&options](const std::string& text) {
-        options.pattern = parse_choice("--pattern", text, sample_pattern_names());
-      });
+  group
+      .add("--filter", "NAME[:RADIUS]",
+           fmt::format(
+               "{}: how samples weigh about a pixel's centre; RADIUS in pixels: .5, 1, 1.5, 2, 2 "
+               "if left out [the scene's, or box]",
+               fmt::join(pixel_filter_names(), ", ")),
+           [&options](const std::string& text) { assign_filter(options, text); })
+      .choices = pixel_filter_names();
+  group
+      .add("--pattern", "NAME",
+           fmt::format("{}: how samples are spread; blue-noise evens their error out over the "
+                       "picture [the scene's, or owen-sobol; center for one sample]",
+                       fmt::join(sample_pattern_names(), ", ")),
+           [&options](const std::string& text) {
+             options.pattern = parse_choice("--pattern", text, sample_pattern_names());
+           })
+      .choices = sample_pattern_names();
   group.add("--seed", "N", "Seed of the sample pattern [the scene's, or 0]",
             [&options](const std::string& text) {
               options.seed = static_cast<uint32_t>(parse_whole("--seed", text, 0, UINT32_MAX));
@@ -115,16 +119,18 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
   group.add_flag("--frame-all",
                  "Move the camera, without turning it, until everything just fits the picture",
                  options.frame_all);
-  group.add("--aovs", "LIST",
-            fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
-                        fmt::join(aov_names(), ",")),
-            [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); });
+  group
+      .add("--aovs", "LIST",
+           fmt::format("Channels beside light in pictures of the format EXR: some of {}, or all",
+                       fmt::join(aov_names(), ",")),
+           [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); })
+      .choices = aov_names();
   group.add("--time", "T", "The instant to render, in seconds [the scene's]",
             [&options](const std::string& text) { options.time = parse_number("--time", text); });
   group.add(
       "--frames", "A-B",
-      "Frames A to B of the animation, each to NAME.NNNN.png, at the instants that its frame rate "
-      "gives: not with --time",
+      "Frames A to B of the animation, each to NAME.NNNN.png, or all to one .gif or .apng, at the "
+      "instants that its frame rate gives: not with --time",
       [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
 }
 
@@ -134,13 +140,35 @@ void add_tracing_options(OptionList& list, RenderOptions& options) {
             [&options](const std::string& text) {
               options.accelerator = parse_choice("--accel", text, available_accelerators());
             });
-  group.add(
-      "--integrator", "KIND",
-      choices(integrator_names(),
-              "; all but the first three show what is there instead of light, or how it was found"),
-      [&options](const std::string& text) {
-        options.integrator = parse_choice("--integrator", text, integrator_names());
-      });
+  group
+      .add("--integrator", "KIND",
+           choices(integrator_names(),
+                   "; all but the first three show what is there instead of light, or how it was "
+                   "found"),
+           [&options](const std::string& text) {
+             options.integrator = parse_choice("--integrator", text, integrator_names());
+           })
+      .choices = integrator_names();
+  group
+      .add("--max-depth", "N",
+           "Most bounces in a row; a mirror shows one [the scene's, or 8; path: 64]",
+           [&options](const std::string& text) {
+             options.max_depth =
+                 static_cast<uint32_t>(parse_whole("--max-depth", text, 0, kMaxDepth));
+           })
+      .most = kMaxDepth;
+  group
+      .add("--shadows", "KIND",
+           fmt::format("{}: whether lights cast them; by-light: those that say so [the scene's, "
+                       "or {}]",
+                       fmt::join(shadows_names(), ", "), shadows_names().front()),
+           [&options](const std::string& text) {
+             const std::vector<std::string>& names = shadows_names();
+             const std::string name = parse_choice("--shadows", text, names);
+             options.shadows = static_cast<v1::IntegratorSettings::Shadows>(
+                 std::find(names.begin(), names.end(), name) - names.begin());
+           })
+      .choices = shadows_names();
 }
 
 void add_tile_option(OptionList& list, RenderOptions& options) {
@@ -153,11 +181,13 @@ void add_tile_option(OptionList& list, RenderOptions& options) {
 
 void add_farm_options(OptionList& list, RenderOptions& options) {
   OptionGroup group(list, "Who does the work");
-  group.add("--workers", "N",
-            "Worker processes on this machine; 0: trace with threads in this process [one a core]",
-            [&options](const std::string& text) {
-              options.workers = static_cast<int>(parse_whole("--workers", text, 0, kMaxWorkers));
-            });
+  group
+      .add("--workers", "N",
+           "Worker processes on this machine; 0: trace with threads in this process [one a core]",
+           [&options](const std::string& text) {
+             options.workers = static_cast<int>(parse_whole("--workers", text, 0, kMaxWorkers));
+           })
+      .most = kMaxWorkers;
   group.add("--threads", "N", "Threads of each worker [1; with --workers 0 one a core]",
             [&options](const std::string& text) {
               options.threads = static_cast<int>(parse_whole("--threads", text, 1, kMaxThreads));
@@ -191,30 +221,9 @@ void add_report_options(OptionList& list, RenderOptions& options) {
   group.add_flag("--quiet", "Print nothing but errors", options.quiet);
 }
 
-void check_camera(const std::string& name, const v1::Scene& scene) {
-  if (find_camera(scene, name)) return;
-  if (scene.cameras_size() == 0)
-    throw usage_error(
-        fmt::format("--camera: '{}'; expected none, as the scene has no camera", name));
-  // What each answers to: one without a name or description to its number.
-  std::vector<std::string> names;
-  for (const v1::Camera& camera : scene.cameras())
-    names.push_back(!camera.name().empty()          ? camera.name()
-                    : !camera.description().empty() ? camera.description()
-                                                    : std::to_string(names.size() + 1));
-  throw usage_error(fmt::format("--camera: '{}' is not in the scene, which has {}: {}{}", name,
-                                counted(scene.cameras_size(), "camera"), fmt::join(names, ", "),
-                                suggestion(name, names)));
-}
-
 double frame_time(const RenderOptions& options, const v1::Settings& settings,
                   std::optional<int> frame) {
-  const double rate =
-      settings.frames().has_per_second() ? settings.frames().per_second() : kDefaultFramesPerSecond;
-  if (!(rate > 0)) {
-    throw located(options.scene,
-                  fmt::format("settings: frames.per_second is {}; expected above 0", rate));
-  }
+  const double rate = scene_frame_rate(options.scene, settings);
   if (options.time) return *options.time;
   if (!frame) return settings.time();
   return *frame / rate;
@@ -281,6 +290,13 @@ void add_render_options(OptionList& list, RenderOptions& options) {
       "Write the picture after 1, 4, 16 ... samples a pixel too, each in place of the one "
       "before; takes up to a third longer, for the same last picture",
       options.progressive);
+  group.add(
+      "--fps", "N",
+      fmt::format("Frames a second that a .gif or .apng of --frames shows [the scene's, or {}]",
+                  kDefaultFramesPerSecond),
+      [&options](const std::string& text) {
+        options.frames_per_second = parse_frame_rate("--fps", text);
+      });
   add_scene_options(list, options);
   add_farm_options(list, options);
   add_report_options(list, options);
@@ -300,6 +316,40 @@ bool stats_to_standard_output(const RenderOptions& options) { return options.sta
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame) {
   std::filesystem::path numbered = path;
   return numbered.replace_extension(fmt::format(".{:04}{}", frame, path.extension().string()));
+}
+
+std::filesystem::path frame_path(const std::filesystem::path& path, std::optional<int> frame) {
+  return frame && !holds_frames(path) ? numbered_path(path, *frame) : path;
+}
+
+double scene_frame_rate(const std::string& scene_file, const v1::Settings& settings) {
+  const double rate =
+      settings.frames().has_per_second() ? settings.frames().per_second() : kDefaultFramesPerSecond;
+  if (rate > 0) return rate;
+  throw located(scene_file,
+                fmt::format("settings: frames.per_second is {}; expected above 0", rate));
+}
+
+double parse_frame_rate(std::string_view option, std::string_view text) {
+  const double rate = parse_number(option, text);
+  if (rate > 0) return rate;
+  throw usage_error(fmt::format("{}: {}; expected above 0", option, text));
+}
+
+void check_camera(const std::string& name, const v1::Scene& scene) {
+  if (find_camera(scene, name)) return;
+  if (scene.cameras_size() == 0)
+    throw usage_error(
+        fmt::format("--camera: '{}'; expected none, as the scene has no camera", name));
+  // What each answers to: one without a name or description to its number.
+  std::vector<std::string> names;
+  for (const v1::Camera& camera : scene.cameras())
+    names.push_back(!camera.name().empty()          ? camera.name()
+                    : !camera.description().empty() ? camera.description()
+                                                    : std::to_string(names.size() + 1));
+  throw usage_error(fmt::format("--camera: '{}' is not in the scene, which has {}: {}{}", name,
+                                counted(scene.cameras_size(), "camera"), fmt::join(names, ", "),
+                                suggestion(name, names)));
 }
 
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,

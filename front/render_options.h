@@ -34,11 +34,14 @@ struct RenderOptions {
   std::optional<uint32_t> seed;
   std::optional<std::string> accelerator;
   std::optional<std::string> integrator;
+  std::optional<uint32_t> max_depth;
+  std::optional<v1::IntegratorSettings::Shadows> shadows;
   AovSet aovs;  ///< asked for in pictures
   bool denoise = false;
   bool progressive = false;
   std::optional<PixelRect> crop;
   std::optional<FrameRange> frames;
+  std::optional<double> frames_per_second;  ///< of files that hold all frames; > 0
   std::optional<double> time;
   std::optional<std::string> camera;
   bool pinhole = false;
@@ -77,12 +80,25 @@ bool stats_to_standard_output(const RenderOptions& options);
 
 /// "dir/name.png" for frame 7 is "dir/name.0007.png".
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame);
+/// Where the picture of a frame goes that was asked for at `path`: to a numbered file, unless one
+/// file holds them all. Nothing: it is no frame of an animation.
+std::filesystem::path frame_path(const std::filesystem::path& path, std::optional<int> frame);
+
+/// How many frames a second the animation has, as the scene says. Throws scene_error where that is
+/// not above 0.
+double scene_frame_rate(const std::string& scene_file, const v1::Settings& settings);
+/// A rate of frames, above 0, as the option of that name is typed.
+double parse_frame_rate(std::string_view option, std::string_view text);
+inline constexpr double kDefaultFramesPerSecond = 24;
 
 /// What the pixels depend on beside the scene: its settings with the options laid over them.
 /// `frame` is the number of the animation's frame, if one is rendered. Throws usage_error for an
 /// option that does not fit the scene, scene_error for settings of the scene out of their range.
 v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& scene,
                                  std::optional<int> frame);
+
+/// Throws usage_error where the scene has no camera of that name.
+void check_camera(const std::string& name, const v1::Scene& scene);
 
 /// Throws usage_error where --time is beside a frame, which has its own instant.
 void check_instant(const RenderOptions& options, bool is_frame);

@@ -29,6 +29,8 @@ class TileKeepingFarm : public TracingFarm {
     return result;
   }
   void watch_tiles(TileCallback done) override { farm_->watch_tiles(std::move(done)); }
+  bool attend() override { return farm_->attend(); }
+  void wake() override { farm_->wake(); }
   void share(BlobStore& blobs) const override { farm_->share(blobs); }
   uint64_t peak_worker_bytes() const override { return farm_->peak_worker_bytes(); }
   void dismiss() override { farm_->dismiss(); }

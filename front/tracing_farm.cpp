@@ -144,6 +144,11 @@ class LocalFarm : public TracingFarm {
     return result;
   }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
+  bool attend() override {
+    loop_.attend();
+    return true;
+  }
+  void wake() override { loop_.wake(); }
   void watch_tiles(TileCallback done) override { watch_.set(std::move(done)); }
   void share(BlobStore& blobs) const override { share_large_blobs(blobs); }
   uint64_t peak_worker_bytes() const override {
@@ -229,6 +234,11 @@ class InProcessFarm : public TracingFarm {
   }
   void watch_tiles(TileCallback done) override { watch_.set(std::move(done)); }
   void keep_tiles(std::shared_ptr<TileStore> tiles) override { tiles_ = std::move(tiles); }
+  bool attend() override {
+    loop_.attend();
+    return true;
+  }
+  void wake() override { loop_.wake(); }
 
  private:
   BlobData blob_at_hand(const Digest& digest) {
@@ -238,7 +248,7 @@ class InProcessFarm : public TracingFarm {
 
   std::mutex mutex_;
   BlobStore blobs_;  ///< of the job; the worker has them from here
-  LiveThings trees_;
+  WeakCache trees_;
   MemoryNetwork network_;
   TileWatch watch_;
   RenderLoop loop_;

@@ -28,6 +28,11 @@ class TracingFarm {
   virtual void keep_tiles(std::shared_ptr<TileStore>) {}
   /// Moves blobs of jobs to come to where its workers can share them.
   virtual void share(BlobStore&) const {}
+  /// Answers its workers for a moment, or until wake(): to be called over and over where nothing is
+  /// run for long, as they would take their coordinator for gone. False: it has none to answer.
+  virtual bool attend() { return false; }
+  /// Ends the attend() under way, or else the next one. Any thread may call this.
+  virtual void wake() {}
   /// The largest resident set of a worker process so far; 0 where that is not known.
   virtual uint64_t peak_worker_bytes() const { return 0; }
   /// Nothing more will be asked of it: begins to end, without waiting for that.

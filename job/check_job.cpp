@@ -50,6 +50,10 @@ void check_job(const JobSpec& spec) {
     throw usage_error("0 samples per pixel; expected at least 1");
   }
   check_aovs(spec);
+  if (spec.priority < -kMostPriority || spec.priority > kMostPriority) {
+    throw usage_error(fmt::format("priority {}; expected a number from {} to {}", spec.priority,
+                                  -kMostPriority, kMostPriority));
+  }
   // Their names must fit into one message.
   constexpr size_t kMaxBlobs = 16384;
   if (spec.blobs.size() > kMaxBlobs) {

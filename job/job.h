@@ -29,6 +29,8 @@ struct JobSpec {
   PixelRect crop;     ///< in frame coordinates; the film covers exactly this
   int tile_size = 0;  ///< pixels a side; 0: as kept, or chosen from the frame and the workers
   std::filesystem::path kept_tiles{};  ///< file of finished tiles on this machine; empty: none
+  /// Of jobs of one process: workers serve the highest first. A client's has that of its request.
+  int32_t priority = 0;
 };
 
 /// What became of a job; every number is a total over its life.

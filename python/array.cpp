@@ -119,9 +119,16 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
 
 /// An array of numbers in a list, as `repr` shows them.
 Array from_list(const py::list& numbers, const std::string& code, Array::Shape shape) {
-  const py::object pack = py::module_::import("struct").attr("pack");
+  element_type(code);
+  const py::module_ module = py::module_::import("struct");
   const std::string format = std::to_string(numbers.size()) + (code == "e" ? "H" : code);
-  return from_bytes(pack(format, *numbers), code, std::move(shape));
+  try {
+    return from_bytes(module.attr("pack")(format, *numbers), code, std::move(shape));
+  } catch (py::error_already_set& error) {
+    if (!error.matches(module.attr("error"))) throw;
+    throw py::value_error("Array: " + py::str(error.value()).cast<std::string>() +
+                          "; expected numbers of the format '" + code + "'");
+  }
 }
 
 py::tuple reduce(const py::object& self, int protocol) {

@@ -44,8 +44,8 @@ bool copy_indices(const std::byte* from, size_t count, uint64_t limit, uint32_t*
   return bits >> (8 * sizeof(Index) - 1) == 0;
 }
 
-/// What rounding found: the bounds of the vertices as they were given, and the largest move of a
-/// coordinate.
+/// What rounding found: the bounds of the vertices as they were given, and the largest move along
+/// an axis.
 struct VertexBounds {
   std::array<double, 3> least, most;
   double largest_move = 0;

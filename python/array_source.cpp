@@ -61,9 +61,22 @@ Array::Shape contiguous_strides(const Array::Shape& shape, py::ssize_t item_size
   return strides;
 }
 
+}  // namespace
+
+void refuse_masked(py::handle given, const std::string& name) {
+  if (!py::hasattr(given, "filled")) return;
+  const py::object mask = py::getattr(given, "mask", py::none());
+  if (py::hasattr(mask, "any") && py::bool_(mask.attr("any")()))
+    throw py::value_error(name + ": masked values; expected none, as in the array's filled()");
+}
+
+namespace {
+
 ArraySource from_buffer(py::handle given, const std::string& name) {
   auto held = std::make_shared<HeldBuffer>();
   if (PyObject_GetBuffer(given.ptr(), &held->view, PyBUF_RECORDS_RO)) {
+    if (!PyErr_ExceptionMatches(PyExc_BufferError) && !PyErr_ExceptionMatches(PyExc_ValueError))
+      throw py::error_already_set();
     PyErr_Clear();
     throw py::type_error(fmt::format("{}: {} without strides; expected an array of numbers", name,
                                      with_article(Py_TYPE(given.ptr())->tp_name)));
@@ -115,6 +128,7 @@ class Flattener {
       const auto kept = std::make_shared<const std::vector<double>>(std::move(numbers_));
       source.data = reinterpret_cast<const std::byte*>(kept->data());
       source.owner = kept;
+      source.is_huge = is_huge_;
     }
     source.strides = contiguous_strides(shape_, source.item_size);
     return source;
@@ -157,6 +171,7 @@ class Flattener {
     }
     const double number = PyFloat_AsDouble(given.ptr());
     if (number == -1 && PyErr_Occurred()) {
+      if (!PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
       PyErr_Clear();
       throw py::type_error(fmt::format("{}: {}; expected numbers", name_,
                                        with_article(Py_TYPE(given.ptr())->tp_name)));
@@ -164,16 +179,20 @@ class Flattener {
     numbers_.push_back(number);
     if (!all_whole_) return;
     int overflow = 0;
-    const long long whole =
-        PyLong_Check(given.ptr()) ? PyLong_AsLongLongAndOverflow(given.ptr(), &overflow) : 0;
-    all_whole_ = PyLong_Check(given.ptr()) && !overflow;
-    whole_.push_back(whole);
+    // Those of numpy are whole numbers too.
+    const auto index = py::reinterpret_steal<py::object>(
+        PyIndex_Check(given.ptr()) ? PyNumber_Index(given.ptr()) : nullptr);
+    if (!index && PyErr_Occurred()) throw py::error_already_set();
+    whole_.push_back(index ? PyLong_AsLongLongAndOverflow(index.ptr(), &overflow) : 0);
+    all_whole_ = index && !overflow;
+    is_huge_ = overflow != 0;
   }
 
   const std::string& name_;
   Array::Shape shape_;
   bool complete_ = false;  ///< a number was met, so that the number of axes is known
   bool all_whole_ = true;
+  bool is_huge_ = false;  ///< the first that is none of `whole_` is a whole number
   std::vector<double> numbers_;
   std::vector<int64_t> whole_;
 };
@@ -202,6 +221,7 @@ bool ArraySource::is_plain(ElementType type) const {
 
 ArraySource array_source(py::handle given, const std::string& name) {
   if (PyObject_CheckBuffer(given.ptr()) && !PyBytes_Check(given.ptr())) {
+    refuse_masked(given, name);
     return from_buffer(given, name);
   }
   if (!PyType_Check(given.ptr()) && py::hasattr(given, "__array__")) {

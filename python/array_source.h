@@ -22,6 +22,7 @@ struct ArraySource {
   char kind = 'f';              ///< 'f', 'i', 'u' or '?'
   pybind11::ssize_t item_size = 8;
   bool swapped = false;    ///< the other byte order
+  bool is_huge = false;    ///< doubles: one was a whole number beyond 64 bits
   bool read_only = false;  ///< nor can what it is a view of be written to
 
   pybind11::ssize_t count() const;
@@ -30,6 +31,10 @@ struct ArraySource {
   /// In C order, of this machine's byte order and of that type.
   bool is_plain(ElementType type) const;
 };
+
+/// Throws ValueError for an array of numpy.ma that has masked values, which its buffer does not
+/// tell. Needs the GIL.
+void refuse_masked(pybind11::handle given, const std::string& name);
 
 /// Takes whatever has the buffer protocol, `__array__`, or is a sequence of sequences of numbers.
 /// `name` begins the message where it is none of these: TypeError, or ValueError for rows of

@@ -3,21 +3,28 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/all_failures.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "bench/error/difference.h"
 #include "bench/error/metrics.h"
 #include "bench/error/ssim.h"
-#include "front/all_failures.h"
 #include "front/output_settings.h"
+#include "front/rendered_picture.h"
+#include "python/array.h"
+#include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/gil.h"
-#include "python/picture.h"
+#include "python/interruptible.h"
 #include "renderer/image/image_file.h"
+#include "renderer/math/encodings.h"
 
 namespace py = pybind11;
 
@@ -25,6 +32,7 @@ namespace tessera {
 namespace {
 
 using PicturePointer = std::shared_ptr<RenderedPicture>;
+using StopFlag = const std::atomic<bool>&;
 using OptionValues = std::vector<std::pair<std::string, OptionValue>>;
 
 /// The settings of `--exposure`, `--tone-map` and the like laid over what the scene asks.
@@ -52,39 +60,80 @@ std::vector<Value> gather(const Film& film, int first, int count) {
 
 Array to_srgb(const PicturePointer& picture, const OptionValues& values) {
   const OutputSettings settings = settings_of(*picture, values);
-  if (settings.color_management) {
-    throw usage_error("--ocio-...: are for files; expected them at save()");
-  }
-  std::vector<uint8_t> bytes = picture->film.aovs().empty()
-                                   ? to_8_bit(picture->film, settings)
-                                   : to_8_bit(picture->film.with_only({}), settings);
+  std::vector<uint8_t> bytes = run_abandonably([picture, settings](StopFlag) {
+    if (settings.color_management) check_color_management(*settings.color_management);
+    return picture->film.aovs().empty() ? shown_bytes(picture->film, settings)
+                                        : shown_bytes(picture->film.with_only({}), settings);
+  });
   return Array(std::move(bytes), {picture->film.height(), picture->film.width(), kFilmChannels});
+}
+
+std::string encoded(const PicturePointer& picture, const std::string& path,
+                    const OutputSettings& settings) {
+  return run_abandonably([picture, path, settings](StopFlag) {
+    return encode_image(path, picture->film, settings, picture->metadata);
+  });
 }
 
 /// The bytes of a file that `path` would name.
 py::bytes encode(const PicturePointer& picture, const std::string& path,
                  const OptionValues& values) {
-  std::string bytes;
-  {
-    const GilRelease release;
-    bytes = encode_image(path, picture->film, settings_of(*picture, values), picture->metadata);
-  }
-  return py::bytes(bytes);
+  return py::bytes(encoded(picture, path, settings_of(*picture, values)));
 }
 
-/// Writes all files that can be written, and then tells which cannot.
+/// Writes all files that can be written, and then tells which cannot. Writing is waited for: after
+/// Ctrl-C no file is to appear.
 void save(const PicturePointer& picture, const std::vector<std::string>& paths,
           const OptionValues& values) {
   const OutputSettings settings = settings_of(*picture, values);
-  if (settings.color_management) check_color_management(*settings.color_management);
+  if (settings.color_management) {
+    const ColorManagement names = *settings.color_management;
+    run_abandonably([names](StopFlag) { check_color_management(names); });
+  }
   AllFailures failures;
   for (const std::string& path : paths) {
     failures.attempt([&] {
-      check_writable(path);
-      write_image(path, picture->film, settings, picture->metadata);
+      const std::string bytes = encoded(picture, path, settings);
+      run_interruptibly([&](StopFlag) { write_output_file(path, bytes); });
     });
   }
   failures.throw_if_any();
+}
+
+/// The linear light of one code after the other, where those of files with 8 or 16 bits a value,
+/// in single or double precision, are worked out once each.
+class LightOfCodes {
+ public:
+  float operator()(double code) {
+    const double nearest = std::nearbyint(code * kMost);
+    if (!(nearest >= 0 && nearest <= kMost)) return light_of(code);
+    const double exact = nearest / kMost;
+    const bool is_single = code != exact && code == static_cast<double>(static_cast<float>(exact));
+    if (code != exact && !is_single) return light_of(code);
+    float& known = known_[2 * static_cast<size_t>(nearest) + (is_single ? 1 : 0)];
+    if (known < 0) known = light_of(code);
+    return known;
+  }
+
+ private:
+  static constexpr double kMost = 65535;  ///< codes of 8 bits are among those of 16
+  static float light_of(double code) { return static_cast<float>(srgb_to_linear(code)); }
+
+  std::vector<float> known_ = std::vector<float>(2 * 65536, -1.0f);
+};
+
+/// The linear light of codes in sRGB from 0 to 1, as the command line has it.
+Array linear_of_srgb(const py::handle& given) {
+  const ArraySource codes = array_source(given, "array");
+  std::vector<float> light = run_abandonably([codes](StopFlag) {
+    std::vector<float> made;
+    made.reserve(static_cast<size_t>(codes.count()));
+    LightOfCodes light_of;
+    for_each_element<double>(codes, 0, codes.count(),
+                             [&](double code) { made.push_back(light_of(code)); });
+    return made;
+  });
+  return {std::move(light), codes.shape};
 }
 
 /// A picture of light alone, from (h, w, 3) float32 values in a row.
@@ -94,7 +143,10 @@ PicturePointer from_values(int width, int height, const py::buffer& values) {
   if (info.size * info.itemsize != static_cast<py::ssize_t>(film.values().size_bytes())) {
     throw usage_error("values: not as many as the picture has");
   }
-  std::memcpy(film.values().data(), info.ptr, film.values().size_bytes());
+  {
+    const GilRelease release;
+    std::memcpy(film.values().data(), info.ptr, film.values().size_bytes());
+  }
   RenderedPicture picture{.film = std::move(film), .output = {}};
   picture.metadata.frame_width = width;
   picture.metadata.frame_height = height;
@@ -105,6 +157,7 @@ PicturePointer from_values(int width, int height, const py::buffer& values) {
 PicturePointer with_light(const PicturePointer& picture, const py::buffer& values) {
   const py::buffer_info info = values.request();
   const auto* light = static_cast<const float*>(info.ptr);
+  const GilRelease release;
   Film film = picture->film.with_only(picture->film.aovs());
   const auto channels = static_cast<size_t>(film.channels());
   const size_t pixels = film.values().size() / channels;
@@ -139,37 +192,31 @@ std::vector<std::string> names_of(AovSet aovs) {
 
 /// (the names of channels, all values, whether the file holds floats).
 py::tuple read_file(const std::string& path) {
-  FloatImage image;
-  {
-    const GilRelease release;
-    image = read_image(path);
-  }
+  FloatImage image = run_abandonably([path](StopFlag) { return read_image(path); });
   const auto channels = static_cast<py::ssize_t>(image.channels.size());
   return py::make_tuple(image.channels,
                         Array(std::move(image.values), {image.height, image.width, channels}),
                         image.is_float);
 }
 
-/// Light of the same size, (h, w, 3) float32 in a row each, the second as the reference: the fields
-/// of `tessera.Metrics` by their names.
-py::dict compare(const py::buffer& first, const py::buffer& second) {
-  const auto taken = [](const py::buffer& buffer) {
-    const py::buffer_info info = buffer.request();
-    const auto* values = static_cast<const float*>(info.ptr);
-    return Picture{static_cast<int>(info.shape.at(1)), static_cast<int>(info.shape.at(0)),
-                   std::vector<float>(values, values + info.size)};
-  };
-  const Picture a = taken(first), b = taken(second);
-  const auto width = static_cast<size_t>(a.width);
+/// How far the light of one picture is from that of another of the same size, the reference.
+struct Comparison {
   Difference difference;
   PictureError error;
   double ssim = 0;
-  {
-    const GilRelease release;
-    difference = difference_of(a.values, b.values, kFilmChannels, width);
-    error = picture_error(a, b);
-    ssim = mean_ssim(a, b);
-  }
+};
+
+/// The fields of `tessera.Metrics` by their names.
+py::dict compare(const PicturePointer& first, const PicturePointer& second) {
+  const auto [difference, error, ssim] = run_abandonably([first, second](StopFlag) {
+    const auto light = [](const Film& film) {
+      return Picture{film.width(), film.height(), gather<float>(film, 0, kFilmChannels)};
+    };
+    const Picture a = light(first->film), b = light(second->film);
+    return Comparison{difference_of(a.values, b.values, kFilmChannels, size_t(a.width)),
+                      picture_error(a, b), mean_ssim(a, b)};
+  });
+  const auto width = static_cast<size_t>(first->film.width());
   using namespace py::literals;
   return py::dict(
       "max"_a = difference.greatest, "mean"_a = difference.mean, "rmse"_a = difference.rmse,
@@ -182,18 +229,19 @@ py::dict compare(const py::buffer& first, const py::buffer& second) {
       "worst"_a = py::make_tuple(difference.worst_pixel % width, difference.worst_pixel / width));
 }
 
-}  // namespace
+/// The light (h, w, 3): a view where there is nothing beside it.
+Array light_of(const PicturePointer& picture) {
+  const Film& film = picture->film;
+  const Array::Shape shape = {film.height(), film.width(), kFilmChannels};
+  if (film.aovs().empty()) return Array(picture, film.values().data(), kElementOf<float>, shape);
+  return Array(run_abandonably(
+                   [picture](StopFlag) { return gather<float>(picture->film, 0, kFilmChannels); }),
+               shape);
+}
 
 Array channels_of(const PicturePointer& picture, const std::string& name) {
   const Film& film = picture->film;
   const py::ssize_t height = film.height(), width = film.width();
-  if (name == "light") {
-    if (film.aovs().empty()) {
-      return Array(picture, film.values().data(), kElementOf<float>,
-                   {height, width, kFilmChannels});
-    }
-    return Array(gather<float>(film, 0, kFilmChannels), {height, width, kFilmChannels});
-  }
   const std::vector<std::string>& names = aov_names();
   const auto found = std::find(names.begin(), names.end(), name);
   const auto aov = static_cast<Aov>(found - names.begin());
@@ -210,10 +258,19 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
   }
   const int first = film.aovs().first_channel(aov);
   const int count = AovSet().with(aov).channels() - kFilmChannels;
-  if (aov == Aov::id) return Array(gather<uint32_t>(film, first, 1), {height, width});
-  if (count == 1) return Array(gather<float>(film, first, 1), {height, width});
-  return Array(gather<float>(film, first, count), {height, width, count});
+  Array::Shape shape = {height, width};
+  if (count > 1) shape.push_back(count);
+  const auto values = [&]<typename Value>(Value) {
+    return Array(run_abandonably([picture, first, count](StopFlag) {
+                   return gather<Value>(picture->film, first, count);
+                 }),
+                 shape);
+  };
+  const bool is_whole = aov == Aov::id || aov == Aov::primitive || aov == Aov::origin;
+  return is_whole ? values(uint32_t{}) : values(float{});
 }
+
+}  // namespace
 
 void bind_picture(py::module_& module) {
   using Release = py::call_guard<GilRelease>;
@@ -231,14 +288,18 @@ void bind_picture(py::module_& module) {
                                }
                                return out;
                              })
-      .def(
-          "sha256", [](const RenderedPicture& p) { return p.film.pixels_sha256(); }, Release())
+      .def("sha256",
+           [](const PicturePointer& picture) {
+             return run_abandonably([picture](StopFlag) { return picture->film.pixels_sha256(); });
+           })
       .def("equals", &have_same_bits, Release())
+      .def_property_readonly("light", &light_of)
       .def("channels", &channels_of)
       .def("with_light", &with_light)
       .def("to_srgb", &to_srgb)
       .def("encode", &encode)
-      .def("save", &save, Release());
+      .def("save", &save);
+  module.def("linear_of_srgb", &linear_of_srgb);
   module.def("picture_from_values", &from_values);
   module.def("read_picture", &read_file);
   module.def("compare", &compare);

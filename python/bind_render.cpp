@@ -23,7 +23,6 @@
 #include "python/errors.h"
 #include "python/gil.h"
 #include "python/interruptible.h"
-#include "python/picture.h"
 #include "python/scene_values.h"
 
 namespace py = pybind11;
@@ -58,22 +57,22 @@ class OptionTexts {
 std::function<LoadedScene(int frame)> loader_of(RenderOptions& options, const py::object& scene) {
   if (py::isinstance<py::str>(scene)) {
     options.scene = py::cast<std::string>(scene);
-    return [&options](int frame) { return load_frame(options, frame); };
+    return [options](int frame) { return load_frame(options, frame); };
   }
   options.scene = kSceneOfPython;
   return
-      [&options, made = message_of(scene)](int frame) { return load_frame(options, made, frame); };
+      [options, made = message_of(scene)](int frame) { return load_frame(options, made, frame); };
 }
 
 /// A task for one frame of `scene`, a path or a value, and what is to be told of that.
 std::pair<std::shared_ptr<FrameTask>, std::vector<std::string>> make_task(
     const OptionTexts& texts, const py::object& scene, std::optional<int> frame) {
   RenderOptions options = texts.options;
-  const auto load = loader_of(options, scene);
-  return run_interruptibly([&](const std::atomic<bool>&) {
+  auto load = loader_of(options, scene);
+  return run_abandonably([options, load = std::move(load), frame](const std::atomic<bool>&) {
     FrameScene made = measured([&] { return load(frame.value_or(0)); });
     std::vector<std::string> warnings = scene_warnings(options, made.loaded);
-    auto task = std::make_shared<FrameTask>(std::move(options), std::move(made), frame);
+    auto task = std::make_shared<FrameTask>(options, std::move(made), frame);
     return std::pair(std::move(task), std::move(warnings));
   });
 }
@@ -129,12 +128,16 @@ std::pair<uint64_t, std::vector<std::string>> submit(FarmAccess& farm, const Opt
                                                      const py::object& scene,
                                                      const JobOrder& order) {
   RenderOptions options = texts.options;
-  std::vector<std::string> warnings;
-  const auto load = loader_of(options, scene);
-  const uint64_t job = run_interruptibly([&](const std::atomic<bool>& stop) {
-    const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
-    return farm.submit(gather_job(options, order, load, warn), stop);
-  });
+  auto load = loader_of(options, scene);
+  auto [gathered, warnings] =
+      run_abandonably([options, order, load = std::move(load)](const std::atomic<bool>&) {
+        std::vector<std::string> told;
+        const auto warn = [&](const std::string& warning) { told.push_back(warning); };
+        auto job = gather_job(options, order, load, warn);
+        return std::pair(std::move(job), std::move(told));
+      });
+  const uint64_t job = run_interruptibly(
+      [&farm, &sent = gathered](const std::atomic<bool>& stop) { return farm.submit(sent, stop); });
   return {job, std::move(warnings)};
 }
 
@@ -144,9 +147,9 @@ void translate_farm_errors() {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const RefusedError& error) {
-      python_error("Refused", error.what()).restore();
+      set_python_error("Refused", error.what(), {{"endpoint", error.endpoint()}});
     } catch (const UnreachableError& error) {
-      python_error("FarmError", error.what()).restore();
+      set_python_error("FarmError", error.what(), {{"endpoint", error.endpoint()}});
     }
   });
 }
@@ -158,8 +161,7 @@ void bind_access(py::module_& module) {
       .value("pause", v1::JobQuery::PAUSE)
       .value("resume", v1::JobQuery::RESUME)
       .value("forget", v1::JobQuery::FORGET)
-      .value("retry", v1::JobQuery::RETRY)
-      .value("none", v1::JobQuery::ASK);
+      .value("retry", v1::JobQuery::RETRY);
   bind_class<FetchedPicture>(module, "FetchedPicture")
       .def_readonly("has_ended", &FetchedPicture::has_ended)
       .def_readonly("picture", &FetchedPicture::picture)
@@ -220,6 +222,7 @@ void bind_task(py::module_& module) {
            })
       .def("is_done", &FrameTask::is_done)
       .def("cancel", &FrameTask::cancel)
+      .def("abandon", &FrameTask::abandon)
       .def("is_cancelled", &FrameTask::is_cancelled)
       .def("progress",
            [](const FrameTask& task) {

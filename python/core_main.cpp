@@ -12,7 +12,22 @@ PyObject* refuse(const char* why) {
   return nullptr;
 }
 
+PyObject* new_object(PyTypeObject* type, PyObject* arguments, PyObject* keywords) {
+  if (!py::detail::all_type_info(type).empty())
+    return py::detail::pybind11_object_new(type, arguments, keywords);
+  PyErr_Format(PyExc_TypeError, "%s: cannot be called; expected a class of tessera", type->tp_name);
+  return nullptr;
+}
+
+/// Has the class that all others derive from refuse to be called, where pybind11 2.10 would end the
+/// process.
+void refuse_bare_objects() {
+  auto* base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
+  base->tp_new = new_object;
+}
+
 void fill(py::module_& module) {
+  refuse_bare_objects();
   module.def("is_main_interpreter", is_main_interpreter,
              "Whether the caller runs in the main interpreter.");
   tessera::bind_errors(module);

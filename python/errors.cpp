@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/missing_file.h"
 #include "python/bindings.h"
 #include "python/gil.h"
 
@@ -14,9 +15,29 @@ py::object error_class(const char* name) {
   return py::module_::import("tessera.errors").attr(name);
 }
 
-py::error_already_set python_error(const char* name, const std::string& message) {
+namespace {
+
+/// A message may name a file, whose name is any bytes. Python escapes those that are not UTF-8.
+py::object text_of(std::string_view bytes) {
+  const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+      bytes.data(), static_cast<py::ssize_t>(bytes.size()), "surrogateescape"));
+  if (!text) throw py::error_already_set();
+  return text;
+}
+
+}  // namespace
+
+void set_python_error(const char* name, const std::string& message,
+                      const std::vector<std::pair<const char*, std::string>>& keywords) {
   const py::object type = error_class(name);
-  PyErr_SetObject(type.ptr(), run_or_sleep([&] { return type(message); }).ptr());
+  py::dict named;
+  for (const auto& [keyword, text] : keywords) named[keyword] = text_of(text);
+  const py::object made = run_or_sleep([&] { return type(text_of(message), **named); });
+  PyErr_SetObject(type.ptr(), made.ptr());
+}
+
+py::error_already_set python_error(const char* name, const std::string& message) {
+  set_python_error(name, message);
   return {};
 }
 
@@ -29,16 +50,13 @@ std::string with_article(const std::string& noun) {
 namespace {
 
 /// Sets the Python exception that stands for `error`: its class by the code, its place and
-/// suggestion from the message.
-void set_python_error(const Error& error) {
+/// suggestion from the message, where that has them.
+void translate(const Error& error) {
   const py::object make = py::module_::import("tessera.errors").attr("from_core");
-  // A message may name a file, whose name is any bytes. Python escapes those that are not UTF-8.
-  const std::string_view text = error.what();
-  const auto message = py::reinterpret_steal<py::object>(
-      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
-  if (!message) throw py::error_already_set();
-  const py::object made =
-      run_or_sleep([&] { return make(message, static_cast<int>(error.code())); });
+  const auto& parts = error.diagnostics();
+  const std::string file = parts.empty() ? "" : parts.front().place.file;
+  const py::object made = run_or_sleep(
+      [&] { return make(text_of(error.what()), static_cast<int>(error.code()), text_of(file)); });
   PyErr_SetObject(py::type::of(made).ptr(), made.ptr());
 }
 
@@ -49,8 +67,10 @@ void bind_errors(py::module_&) {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
+    } catch (const MissingFileError& error) {
+      set_python_error("MissingFile", error.what(), {{"filename", error.path()}});
     } catch (const Error& error) {
-      set_python_error(error);
+      translate(error);
     }
   });
 }

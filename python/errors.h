@@ -3,6 +3,8 @@
 #include <pybind11/pybind11.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace tessera {
 
@@ -11,6 +13,10 @@ std::string with_article(const std::string& noun);
 
 /// The class of that name in `tessera.errors`, such as "SceneError".
 pybind11::object error_class(const char* name);
+
+/// Raises `tessera.errors.NAME(message, **keywords)`. The texts may be any bytes.
+void set_python_error(const char* name, const std::string& message,
+                      const std::vector<std::pair<const char*, std::string>>& keywords = {});
 
 /// Makes `tessera.errors.NAME(message)`, for `throw`.
 pybind11::error_already_set python_error(const char* name, const std::string& message);

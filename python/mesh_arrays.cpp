@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +14,8 @@
 #include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/gil.h"
+#include "python/interruptible.h"
+#include "renderer/film/tile.h"
 #include "renderer/math/encodings.h"
 
 namespace py = pybind11;
@@ -36,8 +40,9 @@ void check_shape(const ArraySource& source, const std::string& field, py::ssize_
                         : field == "positions"      ? ""
                                                     : ", one a vertex";
   wrong_shape(field, shape,
-              columns == 0 ? fmt::format("({},){}", count, meaning)
-                           : fmt::format("({}, {}){}", count, columns, meaning));
+              columns == 0        ? fmt::format("({},){}", count, meaning)
+              : field == "colors" ? fmt::format("({0}, 3) or ({0}, 4){1}", count, meaning)
+                                  : fmt::format("({}, {}){}", count, columns, meaning));
 }
 
 Array::Shape blob_shape(const ArraySource& source, py::ssize_t columns) {
@@ -64,7 +69,10 @@ bool narrow_indices(const ArraySource& source, uint64_t limit, uint32_t* out) {
 
 /// Indices as uint32, each held against `limit` before it is made narrow.
 std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const std::string& field,
-                                             uint64_t limit, const char* of_what) {
+                                             uint64_t limit) {
+  if (source.is_huge)
+    throw py::value_error(
+        fmt::format("{}: a number beyond 64 bits; expected 0 to {}", field, limit - 1));
   if (source.kind != 'i' && source.kind != 'u' && source.count() > 0) {
     throw py::type_error(fmt::format("{}: {}; expected an integer type", field,
                                      source.kind == 'f' ? "floats" : "booleans"));
@@ -90,9 +98,11 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
         source.kind == 'i' ? std::to_string(index) : std::to_string(static_cast<uint64_t>(index));
   });
   const py::ssize_t columns = source.shape.size() > 1 ? source.shape[1] : 1;
-  throw py::value_error(fmt::format("{}: index {} in row {}; expected 0 to {}{}", field, found,
-                                    bad / std::max<py::ssize_t>(columns, 1),
-                                    static_cast<int64_t>(limit) - 1, of_what));
+  const bool is_of_vertices = field == "triangles" && limit < uint64_t{1} << 32;
+  throw py::value_error(fmt::format(
+      "{}: index {} in row {}; expected {}", field, found, bad / std::max<py::ssize_t>(columns, 1),
+      limit == 0 ? "none, since the mesh has no vertices"
+                 : fmt::format("0 to {}{}", limit - 1, is_of_vertices ? ", a vertex" : "")));
 }
 
 /// Colours of vertices as linear RGB and alpha. uint8 and uint16 are codes in sRGB, as in files.
@@ -134,8 +144,18 @@ std::vector<float> to_floats(const ArraySource& source) {
   return floats;
 }
 
-/// What keeps an array's memory from being used as it is; empty: nothing.
-std::string what_prevents_sharing(const ArraySource& source, ElementType type) {
+/// Whether `copy` of Mesh is False.
+bool refuses_to_copy(py::handle copy) {
+  if (copy.is_none()) return false;
+  if (py::isinstance<py::bool_>(copy)) return !copy.cast<bool>();
+  throw py::type_error(fmt::format("copy: {}; expected True, False or None",
+                                   py::repr(copy).cast<std::string>().substr(0, 100)));
+}
+
+/// What keeps an array's memory from being used as one of `type` and `shape`; empty: nothing.
+std::string what_prevents_sharing(const ArraySource& source, ElementType type,
+                                  const Array::Shape& shape) {
+  if (source.count() > 0 && source.shape != shape) return "it has another shape";
   if (source.is_plain(type))
     return source.read_only ? "" : "it, or what it is a view of, can be written to";
   if (source.swapped) return "it has another byte order";
@@ -146,7 +166,12 @@ std::string what_prevents_sharing(const ArraySource& source, ElementType type) {
 ElementType kept_texel_type(const ArraySource& source) {
   if (source.kind == 'u' && source.item_size == 1) return texel_type(8);
   if (source.kind == 'f') return texel_type(source.item_size == 2 ? 16 : 32);
-  throw py::type_error("texels: integers of more than 8 bits; expected uint8, float16 or float32");
+  throw py::type_error(fmt::format("texels: {}; expected uint8, float16 or float32",
+                                   source.count() == 0  ? "no numbers"
+                                   : source.kind == '?' ? "booleans"
+                                   : source.kind == 'i' && source.item_size == 1
+                                       ? "signed integers"
+                                       : "integers of more than 8 bits"));
 }
 
 Array share(const ArraySource& source, ElementType type, Array::Shape shape) {
@@ -156,13 +181,20 @@ Array share(const ArraySource& source, ElementType type, Array::Shape shape) {
 Array copy_texels(const ArraySource& source, ElementType type) {
   if (type.code == 'f') return {to_floats(source), source.shape};
   std::vector<uint8_t> bytes(static_cast<size_t>(source.count() * type.size));
-  ArraySource raw = source;  // the same elements as integers, which keep their bits
-  raw.kind = 'u';
-  std::byte* out = reinterpret_cast<std::byte*>(bytes.data());
-  for_each_element<uint16_t>(raw, 0, source.count(), [&](uint16_t texel) {
-    std::memcpy(out, &texel, static_cast<size_t>(type.size));
-    out += type.size;
-  });
+  {
+    const GilRelease unlocked;
+    if (source.is_contiguous() && !source.swapped) {
+      if (!bytes.empty()) std::memcpy(bytes.data(), source.data, bytes.size());
+    } else {
+      ArraySource raw = source;  // the same elements as integers, which keep their bits
+      raw.kind = 'u';
+      std::byte* out = reinterpret_cast<std::byte*>(bytes.data());
+      for_each_element<uint16_t>(raw, 0, source.count(), [&](uint16_t texel) {
+        std::memcpy(out, &texel, static_cast<size_t>(type.size));
+        out += type.size;
+      });
+    }
+  }
   auto kept = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
   return {kept, kept->data(), type, source.shape};
 }
@@ -186,37 +218,55 @@ VertexBounds round_all(const ArraySource& source, const std::array<double, 3>& m
   return bounds;
 }
 
+/// The largest move of a vertex by rounding, where that may be more than 2^-24 of their extent;
+/// else 0.
+double large_move(const ArraySource& source, const std::array<double, 3>& middle,
+                  const float* rounded, const VertexBounds& bounds) {
+  const double allowed = bounds.extent() * 0x1p-24;
+  if (bounds.largest_move * std::sqrt(3.0) <= allowed) return 0;
+  double largest = 0;
+  std::array<double, 3> by{};
+  size_t i = 0;
+  for_each_element<double>(source, 0, source.count(), [&](double number) {
+    const size_t axis = i % 3;
+    by[axis] = static_cast<double>(rounded[i++]) - (number - middle[axis]);
+    if (axis == 2) largest = std::max(largest, std::hypot(by[0], by[1], by[2]));
+  });
+  return largest > allowed ? largest : 0;
+}
+
 /// Positions as single precision with the middle of their bounds taken off, if that is wanted:
-/// (array, middle or None, largest move by rounding, extent).
+/// (array, middle or None, large_move()).
 py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   const ArraySource source = array_source(given, "positions");
   check_shape(source, "positions", 3, -1);
-  const bool refuses_copy = !copy.is_none() && !copy.cast<bool>();
+  const bool refuses_copy = refuses_to_copy(copy);
   if (refuses_copy && recenter) {
     throw py::value_error(
         "positions: copy=False, but recenter=True moves them; expected one of the two");
   }
   if (!recenter && (refuses_copy || (source.kind == 'f' && source.item_size <= 4))) {
-    return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0, 0.0);
+    return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0);
   }
   const auto count = static_cast<size_t>(source.count());
   const auto rounded = std::make_shared_for_overwrite<float[]>(count);
   std::array<double, 3> middle{};
-  VertexBounds bounds;
+  double moved = 0;
   {
     const GilRelease unlocked;
-    bounds = round_all(source, middle, rounded.get());
+    VertexBounds bounds = round_all(source, middle, rounded.get());
     if (recenter && count > 0) {
       for (size_t axis = 0; axis < 3; ++axis)
         middle[axis] = bounds.least[axis] + (bounds.most[axis] - bounds.least[axis]) / 2;
       bounds = round_all(source, middle, rounded.get());
     }
+    moved = large_move(source, middle, rounded.get(), bounds);
   }
   const Array array(rounded, rounded.get(), kElementOf<float>, blob_shape(source, 3));
   return py::make_tuple(array,
                         recenter ? py::object(py::make_tuple(middle[0], middle[1], middle[2]))
                                  : py::object(py::none()),
-                        bounds.largest_move, bounds.extent());
+                        moved);
 }
 
 }  // namespace
@@ -226,13 +276,22 @@ ElementType texel_type(uint32_t bits) {
   return bits == 16 ? ElementType{'e', 2} : kElementOf<uint8_t>;
 }
 
-std::pair<ElementType, py::ssize_t> blob_layout(const std::string& field) {
-  static const std::map<std::string, std::pair<ElementType, py::ssize_t>> layouts = {
+namespace {
+
+using BlobLayouts = std::map<std::string, std::pair<ElementType, py::ssize_t>>;
+const BlobLayouts& blob_layouts() {
+  static const BlobLayouts layouts = {
       {"positions", {kElementOf<float>, 3}},    {"normals", {kElementOf<float>, 3}},
       {"uvs", {kElementOf<float>, 2}},          {"colors", {kElementOf<float>, 4}},
       {"triangles", {kElementOf<uint32_t>, 3}}, {"face_materials", {kElementOf<uint32_t>, 0}},
       {"texels", {kElementOf<uint8_t>, 0}}};
-  return layouts.at(field);
+  return layouts;
+}
+
+}  // namespace
+
+std::pair<ElementType, py::ssize_t> blob_layout(const std::string& field) {
+  return blob_layouts().at(field);
 }
 
 py::object take_blob_array(py::handle given, const std::string& field, py::handle copy,
@@ -241,6 +300,10 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   const ArraySource source = array_source(given, field);
   const bool is_texels = field == "texels";
   if (is_texels) {
+    // Those of a scene are in a row.
+    if (source.shape.size() > 1 && std::max(source.shape[0], source.shape[1]) > kMaxFrameSide) {
+      wrong_shape(field, source.shape, fmt::format("sides of at most {}", kMaxFrameSide));
+    }
     type = kept_texel_type(source);
   } else {
     // The number of triangles is free; `rows` bounds what they refer to.
@@ -251,8 +314,8 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   // The memory of an Array of indices is its own, and without `rows` there is nothing to check.
   const bool is_kept = py::isinstance<Array>(given) && rows < 0;
   const std::string obstacle = is_index && !is_kept ? "indices are checked and kept apart"
-                                                    : what_prevents_sharing(source, type);
-  const bool refuses = !copy.is_none() && !copy.cast<bool>();
+                                                    : what_prevents_sharing(source, type, shape);
+  const bool refuses = refuses_to_copy(copy);
   if (py::isinstance<Array>(given) && obstacle.empty() && shape == source.shape) {
     return py::reinterpret_borrow<py::object>(given);
   }
@@ -263,7 +326,7 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
   if (is_index) {
     const uint64_t limit =
         field == "triangles" && rows >= 0 ? static_cast<uint64_t>(rows) : uint64_t{1} << 32;
-    const auto indices = to_indices(source, field, limit, rows >= 0 ? ", a vertex" : "");
+    const auto indices = to_indices(source, field, limit);
     return py::cast(Array(indices, indices.get(), type, shape));
   }
   return py::cast(Array(field == "colors" ? to_colors(source) : to_floats(source), shape));
@@ -271,11 +334,16 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
 
 std::pair<Digest, BlobData> blob_of(const Array& array) {
   if (!array.blob().second) {
-    const std::span<const std::byte> bytes = array.bytes();
+    const auto make = [kept = array.owner(), bytes = array.bytes()](const std::atomic<bool>&) {
+      return std::pair(Digest::of(bytes), BlobData(Blob::share(kept, bytes)));
+    };
+    constexpr size_t kLong = size_t{1} << 20;  // for less to start a thread would take longer
     std::pair<Digest, BlobData> made;
-    {
+    if (array.bytes().size() > kLong) {
+      made = run_abandonably(make);
+    } else {
       const GilRelease unlocked;
-      made = {Digest::of(bytes), Blob::share(array.owner(), bytes)};
+      made = make(false);
     }
     array.blob() = std::move(made);  // with the GIL: others may look at it at once
   }
@@ -288,12 +356,17 @@ Array array_of_blob(BlobData blob, ElementType type, Array::Shape shape) {
 }
 
 void bind_mesh_arrays(py::module_& module) {
+  py::list fields;
+  for (const auto& [field, layout] : blob_layouts()) fields.append(field);
+  module.attr("array_fields") = py::tuple(fields);
+  module.def("refuse_masked", &refuse_masked);
   module.def("take_array", &take_blob_array, py::arg("given"), py::arg("field"),
              py::arg("copy") = py::none(), py::arg("rows") = -1,
              "The array of a mesh or texture as the renderer wants it.");
-  module.def("take_positions", &take_positions, py::arg("given"), py::arg("copy"),
-             py::arg("recenter"),
-             "Positions in single precision: (array, middle, largest move, extent).");
+  module.def(
+      "take_positions", &take_positions, py::arg("given"), py::arg("copy"), py::arg("recenter"),
+      "Positions in single precision: (array, middle, the largest move by rounding if one is "
+      "large, else 0).");
 }
 
 }  // namespace tessera

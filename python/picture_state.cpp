@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "base/error.h"
+#include "front/rendered_picture.h"
 #include "proto/wire/scene_codec.h"
+#include "python/array.h"
 #include "python/bindings.h"
-#include "python/picture.h"
+#include "python/gil.h"
 
 namespace py = pybind11;
 
@@ -59,7 +61,10 @@ std::shared_ptr<RenderedPicture> picture_of(const State& state) {
   const PixelRect rect{x0, y0, x0 + static_cast<int>(shape[1]), y0 + static_cast<int>(shape[0])};
   RenderedPicture made{.film = Film(rect, AovSet(aovs)), .output = asked->settings().output()};
   const auto* first = static_cast<const float*>(values.data());
-  std::copy(first, first + made.film.values().size(), made.film.values().begin());
+  {
+    const GilRelease release;
+    std::copy(first, first + made.film.values().size(), made.film.values().begin());
+  }
   ImageMetadata& metadata = made.metadata;
   std::tie(metadata.scene_digest, metadata.seed, metadata.samples_per_pixel, metadata.denoiser,
            metadata.colors, metadata.frame_width, metadata.frame_height) = told;

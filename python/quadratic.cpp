@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "python/bindings.h"
+#include "python/value_reader.h"
 
 namespace py = pybind11;
 
@@ -36,15 +37,23 @@ int solve_any_quadratic(double a, double b, double c, double (&roots)[2]) {
   return count;
 }
 
-py::tuple real_roots(double a, double b, double c) {
-  const double given[] = {a, b, c};
+py::tuple real_roots(py::handle a, py::handle b, py::handle c) {
+  const py::handle objects[] = {a, b, c};
+  double given[3];
   for (int i = 0; i < 3; ++i) {
+    given[i] = PyFloat_AsDouble(objects[i].ptr());
+    if (given[i] == -1 && PyErr_Occurred()) {
+      if (!PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
+      PyErr_Clear();
+      throw py::type_error(
+          fmt::format("{}: {}; expected a number", "abc"[i], describe_found(objects[i])));
+    }
     if (!std::isfinite(given[i])) {
       throw py::value_error(fmt::format("{}: {}; expected a finite number", "abc"[i], given[i]));
     }
   }
   double roots[2] = {};
-  const int count = solve_any_quadratic(a, b, c, roots);
+  const int count = solve_any_quadratic(given[0], given[1], given[2], roots);
   py::list found;
   for (int i = 0; i < count; ++i) {
     if (std::isfinite(roots[i])) found.append(roots[i]);

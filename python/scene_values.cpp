@@ -2,7 +2,8 @@
 
 #include <pybind11/stl.h>
 
-#include "base/digest.h"
+#include "front/option_list.h"
+#include "front/read_options.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "python/bindings.h"
 #include "python/errors.h"
@@ -16,6 +17,17 @@ namespace py = pybind11;
 namespace pb = google::protobuf;
 
 namespace tessera {
+
+RenderOptions options_of_python(const std::string& assets) {
+  RenderOptions options;
+  options.scene = kSceneOfPython;
+  if (!assets.empty()) {
+    OptionList list;
+    add_read_options(list, options.reading);
+    assign_option(list, "assets", assets);
+  }
+  return options;
+}
 
 SceneWithBlobs message_of(py::handle scene) {
   SceneWithBlobs made;
@@ -52,30 +64,29 @@ py::bytes describe(py::handle value) {
 }
 
 std::string digest_of(py::handle scene) {
-  const SceneWithBlobs made = message_of(scene);
-  return run_interruptibly(
-      [&](const std::atomic<bool>&) { return Digest::of(serialize_scene(made.scene)).hex(); });
+  return run_abandonably(
+      [made = message_of(scene)](const std::atomic<bool>&) { return scene_digest(made.scene); });
 }
 
 void save(py::handle scene, const std::string& path) {
-  const SceneWithBlobs made = message_of(scene);
+  const auto made = std::make_shared<const SceneWithBlobs>(message_of(scene));
+  const EncodedScene encoded = run_abandonably([made, path](const std::atomic<bool>&) {
+    return encode_scene_file(path, made->scene, made->blobs);
+  });
+  // Writing is waited for: after Ctrl-C no file is to appear.
   run_interruptibly(
-      [&](const std::atomic<bool>&) { write_scene_file(path, made.scene, made.blobs); });
+      [&](const std::atomic<bool>&) { write_scene_file(path, encoded, made->blobs); });
 }
 
 std::string to_json(py::handle scene) {
-  const SceneWithBlobs made = message_of(scene);
-  return run_interruptibly([&](const std::atomic<bool>&) {
+  return run_abandonably([made = message_of(scene)](const std::atomic<bool>&) {
     return encode_scene(made.scene, made.blobs, SceneEncoding::json);
   });
 }
 
 py::object from_json(const std::string& text, const py::dict& arrays) {
-  SceneWithBlobs made;
-  {
-    const GilRelease unlocked;
-    made = decode_scene(text, SceneEncoding::json, "dict");
-  }
+  SceneWithBlobs made = run_abandonably(
+      [text](const std::atomic<bool>&) { return decode_scene(text, SceneEncoding::json, "dict"); });
   for (const auto& [digest, array] : arrays) {
     const auto& [name, blob] = blob_of(array.cast<const Array&>());
     made.blobs.put(name, blob);
@@ -86,6 +97,8 @@ py::object from_json(const std::string& text, const py::dict& arrays) {
 }  // namespace
 
 void bind_scene(py::module_& module) {
+  const auto [found, expected] = nested_too_deep();
+  module.attr("nested_too_deep") = py::make_tuple(found, expected);
   module.def("describe", &describe, "Bytes that are equal for equal values.");
   module.def("digest", &digest_of, "The digest that names a scene.");
   module.def("save", &save, "Writes a scene to a file.");

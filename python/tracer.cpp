@@ -1,11 +1,16 @@
 // `tessera._core.Tracer`: ray queries for tessera/rays.py, which shapes the arrays.
+#include <fmt/format.h>
+
 #include <pybind11/stl.h>
 
 #include <cstring>
 
 #include "base/digest.h"
+#include "base/parallel.h"
 #include "front/load_frame.h"
+#include "front/render_options.h"
 #include "python/array.h"
+#include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/errors.h"
 #include "python/gil.h"
@@ -18,13 +23,19 @@ namespace py = pybind11;
 namespace tessera {
 namespace {
 
-[[noreturn]] void fail_array(const char* name, const char* expected) {
-  throw python_error("UsageError", std::string(name) + ": another array; expected " + expected);
+[[noreturn]] void fail_array(const char* name, const std::string& found, const char* expected) {
+  throw python_error("UsageError", fmt::format("{}: {}; expected {}", name, found, expected));
+}
+
+/// "elements of format 'd', shape (8, 3)".
+std::string told(const py::buffer_info& view) {
+  return fmt::format("elements of format '{}', shape {}", view.format, shape_text(view.shape));
 }
 
 /// A view of the caller's memory, kept as long as this lives.
 py::buffer_info view_of(const char* name, const py::object& object, bool writable = false) {
-  if (!PyObject_CheckBuffer(object.ptr())) fail_array(name, "an array");
+  if (!PyObject_CheckBuffer(object.ptr()))
+    fail_array(name, with_article(Py_TYPE(object.ptr())->tp_name), "an array");
   return py::reinterpret_borrow<py::buffer>(object).request(writable);
 }
 
@@ -34,11 +45,12 @@ class VectorArray {
   VectorArray(const char* name, const py::object& object) : view_(view_of(name, object)) {
     const bool is_single = view_.format == "f";
     if ((!is_single && view_.format != "d") || view_.ndim != 2 || view_.shape[1] != 3)
-      fail_array(name, "rows of three float64 or float32");
+      fail_array(name, told(view_), "rows of three float64 or float32");
     rows_ = {view_.ptr, view_.strides[0], view_.strides[1], is_single};
   }
   size_t count() const { return static_cast<size_t>(view_.shape[0]); }
   const VectorRows& rows() const { return rows_; }
+  std::string found() const { return told(view_); }
 
  private:
   py::buffer_info view_;
@@ -55,7 +67,7 @@ class PlainArray {
     if (view_.format.size() != 1 || view_.itemsize != sizeof(T) ||
         static_cast<size_t>(view_.size) != count || PyBuffer_IsContiguous(view_.view(), 'C') == 0 ||
         (view_.format[0] == 'd' || view_.format[0] == 'f') != std::is_floating_point_v<T>)
-      fail_array(name, "one in C order with an entry for each ray");
+      fail_array(name, told(view_), "one in C order with an entry for each ray");
     data_ = static_cast<T*>(view_.ptr);
   }
   T* data() const { return data_; }
@@ -88,7 +100,7 @@ struct Rays {
   VectorArray origins, directions;
   NumberArray t_min, t_max;
   PlainArray<double> kept_origins, kept_directions;
-  RayBatch batch;
+  RayArrays batch;
 
   /// `keep_o` and `keep_d`: where the rays are to be copied to, or None.
   Rays(const py::object& o, const py::object& d, const py::object& from, const py::object& to,
@@ -99,7 +111,8 @@ struct Rays {
         t_max("t_max", to, origins.count()),
         kept_origins("kept origins", keep_o, 3 * origins.count()),
         kept_directions("kept directions", keep_d, 3 * origins.count()) {
-    if (directions.count() != origins.count()) fail_array("directions", "one for each origin");
+    if (directions.count() != origins.count())
+      fail_array("directions", directions.found(), "one for each origin");
     batch = {origins.count(), origins.rows(),          directions.rows(),   t_min.rows(),
              t_max.rows(),    static_cast<Cull>(cull), kept_origins.data(), kept_directions.data()};
   }
@@ -119,7 +132,7 @@ struct FoundHits {
         instance("instance", arrays[1], count, false),
         primitive("primitive", arrays[2], count, false) {
     if (count > 0 && !(t.data() && uv.data() && instance.data() && primitive.data()))
-      fail_array("hits", "t, instance, primitive and uv");
+      fail_array("hits", "some of the arrays", "t, instance, primitive and uv");
   }
   ConstHitArrays arrays() const { return {t.data(), instance.data(), primitive.data(), uv.data()}; }
 };
@@ -138,17 +151,17 @@ void trace(size_t count, int threads, const Work& work) {
   });
 }
 
-std::unique_ptr<RayQueries> make_queries(const SceneWithBlobs& scene,
-                                         const v1::FrameSettings& frame, int threads) {
-  std::unique_ptr<RayQueries> made;
-  run_interruptibly([&](const std::atomic<bool>&) {
-    made = std::make_unique<RayQueries>(scene.scene, scene.blobs, frame, threads);
-  });
-  return made;
+std::unique_ptr<RayQueries> make_queries(SceneWithBlobs scene, v1::FrameSettings frame,
+                                         int threads) {
+  return run_abandonably(
+      [scene = std::move(scene), frame = std::move(frame), threads](const std::atomic<bool>&) {
+        return std::make_unique<RayQueries>(scene.scene, scene.blobs, frame, threads);
+      });
 }
 
 v1::FrameSettings frame_of(std::optional<double> time, const std::string& camera,
                            const std::string& accelerator, const SceneWithBlobs& scene) {
+  if (!camera.empty()) check_camera(camera, scene.scene);
   v1::FrameSettings frame;
   frame.set_time(time.value_or(scene.scene.settings().time()));
   frame.set_camera(camera);
@@ -157,18 +170,20 @@ v1::FrameSettings frame_of(std::optional<double> time, const std::string& camera
 }
 
 /// A tessera.Scene, its text form (str) or its binary form (bytes).
-SceneWithBlobs scene_of(const py::object& scene) {
-  if (py::isinstance<py::bytes>(scene))
-    return decode_scene(py::cast<std::string>(scene), SceneEncoding::binary, "scene");
-  if (py::isinstance<py::str>(scene))
-    return decode_scene(py::cast<std::string>(scene), SceneEncoding::text, "scene");
-  const SceneWithBlobs made = message_of(scene);
-  RenderOptions options;
-  options.scene = kSceneOfPython;
-  return run_interruptibly([&](const std::atomic<bool>&) {
-    LoadedScene loaded = load_frame(options, made, 0);
-    return SceneWithBlobs{std::move(loaded.scene), std::move(loaded.blobs)};
-  });
+SceneWithBlobs scene_of(const py::object& scene, const std::string& assets) {
+  if (py::isinstance<py::bytes>(scene) || py::isinstance<py::str>(scene)) {
+    const auto encoding =
+        py::isinstance<py::bytes>(scene) ? SceneEncoding::binary : SceneEncoding::text;
+    return run_abandonably(
+        [encoded = py::cast<std::string>(scene), encoding](const std::atomic<bool>&) {
+          return decode_scene(encoded, encoding, "scene");
+        });
+  }
+  return run_abandonably(
+      [made = message_of(scene), options = options_of_python(assets)](const std::atomic<bool>&) {
+        LoadedScene loaded = load_frame(options, made, 0);
+        return SceneWithBlobs{std::move(loaded.scene), std::move(loaded.blobs)};
+      });
 }
 
 template <typename T>
@@ -192,22 +207,24 @@ py::tuple intersect_all(const RayQueries& queries, const py::object& o, const py
 
 /// Fills two arrays of (height, width, 3) with the rays through the middles of pixels.
 void camera_rays(const RayQueries& queries, const std::string& name, int width, int height,
-                 const py::object& origins, const py::object& directions) {
+                 int threads, const py::object& origins, const py::object& directions) {
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   const PlainArray<double> o("origins", origins, 3 * pixels);
   const PlainArray<double> d("directions", directions, 3 * pixels);
-  const GilRelease release;
-  const Camera camera = queries.camera(name, width, height);
-  for (size_t i = 0; i < pixels; ++i) {
-    const size_t row_number = i / static_cast<size_t>(width);
-    const auto row = static_cast<double>(row_number);
-    const auto column = static_cast<double>(i - row_number * static_cast<size_t>(width));
-    const Ray ray = camera.ray(column + 0.5, row + 0.5);
-    for (size_t a = 0; a < 3; ++a) {
-      o.data()[3 * i + a] = ray.origin[static_cast<int>(a)];
-      d.data()[3 * i + a] = ray.direction[static_cast<int>(a)];
-    }
-  }
+  trace(pixels, threads, [&](const QueryControl& control) {
+    if (!name.empty()) check_camera(name, queries.description());
+    const Camera camera = queries.camera(name, width, height);
+    for_each_parallel(static_cast<size_t>(height), control.threads, [&](size_t row) {
+      for (int column = 0; column < width; ++column) {
+        const Ray ray = camera.ray(column + 0.5, static_cast<double>(row) + 0.5);
+        const size_t at = 3 * (row * static_cast<size_t>(width) + static_cast<size_t>(column));
+        for (int a = 0; a < 3; ++a) {
+          o.data()[at + static_cast<size_t>(a)] = ray.origin[a];
+          d.data()[at + static_cast<size_t>(a)] = ray.direction[a];
+        }
+      }
+    });
+  });
 }
 
 py::dict statistics(const RayQueries& queries) {
@@ -273,6 +290,7 @@ void bind_queries(py::class_<RayQueries>& tracer) {
                queries.contains(at.count(), at.rows(), instance, result.data(), control);
              });
            })
+      .def("open_meshes", &RayQueries::open_meshes, py::call_guard<GilRelease>())
       .def("attributes",
            [](const RayQueries& queries, const py::object& o, const py::object& d,
               const py::tuple& hits, int threads, const py::dict& out) {
@@ -301,7 +319,8 @@ void bind_queries(py::class_<RayQueries>& tracer) {
         const Rays rays(o, d);
         const FoundHits found(hits, rays.batch.count);
         const VectorArray away("directions", directions);
-        if (away.count() != rays.batch.count) fail_array("directions", "one for each hit");
+        if (away.count() != rays.batch.count)
+          fail_array("directions", away.found(), "one for each hit");
         const PlainArray<double> result("out", out, 3 * rays.batch.count);
         trace(rays.batch.count, threads, [&](const QueryControl& control) {
           queries.spawn(rays.batch, found.arrays(), away.rows(), result.data(), control);
@@ -316,8 +335,9 @@ void bind_tracer(py::module_& module) {
       bind_class<RayQueries>(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
   tracer
       .def(py::init([](const py::object& scene, std::optional<double> time,
-                       const std::string& camera, const std::string& accelerator, int threads) {
-        const SceneWithBlobs made = scene_of(scene);
+                       const std::string& camera, const std::string& accelerator, int threads,
+                       const std::string& assets) {
+        const SceneWithBlobs made = scene_of(scene, assets);
         return make_queries(made, frame_of(time, camera, accelerator, made), threads);
       }))
       .def("scene",

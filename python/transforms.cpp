@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 #include "python/value_reader.h"
 #include "renderer/math/transform.h"
 #include "scenes/import/to_affine.h"
@@ -37,6 +39,7 @@ Array take_matrices(py::handle given, const std::string& name) {
     wrong_shape(name, source.shape, "(any, 3, 4) or (any, 4, 4)");
   }
   std::vector<double> numbers;
+  std::optional<GilRelease> unlocked(std::in_place);
   numbers.reserve(static_cast<size_t>(shape[0] * 12));
   const py::ssize_t of_one = shape[1] * 4;
   constexpr double kLastRow[] = {0, 0, 0, 1};
@@ -48,6 +51,7 @@ Array take_matrices(py::handle given, const std::string& name) {
     if (place < 12) numbers.push_back(number);
     ++at;
   });
+  unlocked.reset();
   if (bad >= 0) {
     throw py::value_error(fmt::format(
         "{}: matrix {} has a number that is not finite, or a fourth row; expected finite numbers "

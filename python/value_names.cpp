@@ -38,6 +38,7 @@ const pb::Descriptor* named_type(const pb::FieldDescriptor& field) {
 }
 
 std::string describe_found(py::handle value) {
+  const py::error_scope raised;  // what is being told of; the value's own code runs without it
   constexpr size_t kLongest = 60;
   std::string text = py::isinstance<py::str>(value) || py::isinstance<py::float_>(value) ||
                              py::isinstance<py::int_>(value) || value.is_none()
@@ -63,6 +64,10 @@ std::string ValueReader::name_of(py::handle held, const Field& field) {
   const pb::Descriptor* type = named_type(field);
   const ValueClass* made = find_value_class(held);
   if (made && made->message == type) return collect(held, *made);
+  if (type == v1::Texture::descriptor() && is_picture(held)) {
+    const py::object texture = texture_of(held, field.name() == "normal_map");
+    return collect(texture, *find_value_class(texture));
+  }
   if (!PyUnicode_Check(held.ptr())) {
     fail(describe_found(held), with_article(type->name()) + " or the name of one");
   }
@@ -75,10 +80,11 @@ std::string ValueReader::collect(py::handle thing, const ValueClass& made) {
   const py::object own_name = get_slot(made.field("name"), thing);
   if (known != collection.name_of.end()) {
     if (known->second.empty() && own_name.is_none())
-      fail("it refers to itself", "a name, to do so");
+      fail("it refers to itself", "a name, to do so", "NestingError");
     return known->second.empty() ? to_text(own_name) : known->second;
   }
   collection.name_of[thing.ptr()] = "";
+  collected_.push_back(py::reinterpret_borrow<py::object>(thing));
   // The list's element is made at last, since what is read may add others.
   const std::unique_ptr<Message> message(
       pb::MessageFactory::generated_factory()->GetPrototype(made.message)->New());

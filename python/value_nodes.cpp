@@ -5,6 +5,7 @@
 
 #include "proto/wire/scene_codec.h"
 #include "python/array_source.h"
+#include "python/gil.h"
 #include "python/value_reader.h"
 #include "renderer/scene/scene_graph.h"
 
@@ -43,20 +44,16 @@ class NodeCounter {
   size_t count_list(py::handle held, int depth) {
     if (!PyList_Check(held.ptr()) && !PyTuple_Check(held.ptr())) return 0;
     size_t count = 0;
-    for (py::ssize_t i = 0; i < PySequence_Fast_GET_SIZE(held.ptr()); ++i) {
-      look_for_ctrl_c();
+    for (py::ssize_t i = 0;; ++i) {
+      pause_();  // in which the list may shrink
+      if (i >= PySequence_Fast_GET_SIZE(held.ptr())) break;
       const auto item = py::reinterpret_borrow<py::object>(PySequence_Fast_GET_ITEM(held.ptr(), i));
       count += 1 + count_in(item, depth + 1);
     }
     return count;
   }
 
-  void look_for_ctrl_c() {
-    constexpr uint32_t kNodesBetween = 1024;
-    if (++visits_ % kNodesBetween == 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
-  }
-
-  uint32_t visits_ = 0;
+  GilPauses pause_;
   std::unordered_map<PyObject*, size_t> counts_;
 };
 
@@ -86,8 +83,10 @@ void ValueReader::read_node(py::handle held, v1::Node& node) {
 /// A shape's own transform acts first, then that of its node. A billboard turns between them.
 void ValueReader::add_shape_transform(py::handle shape, v1::Node& node) {
   const ValueClass& made = *find_value_class(shape);
-  const py::object held = get_slot(made.field("transform"), shape);
+  const ValueField& field = made.field("transform");
+  const py::object held = get_slot(field, shape);
   if (held.is_none()) return;
+  const Within within(*this, &field.name, -1);
   v1::Transform transform;
   read(held, transform);
   if (transform.steps().empty()) return;

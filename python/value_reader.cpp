@@ -21,19 +21,10 @@ namespace pb = google::protobuf;
 
 namespace tessera {
 
-/// One step of the way to what is being read, for as long as it lives.
-class ValueReader::Within {
- public:
-  Within(ValueReader& reader, const std::string* name, py::ssize_t index) : reader_(reader) {
-    reader_.path_.push_back({name, index});
-  }
-  ~Within() { reader_.path_.pop_back(); }
-  Within(const Within&) = delete;
-  Within& operator=(const Within&) = delete;
-
- private:
-  ValueReader& reader_;
-};
+std::pair<std::string, std::string> nested_too_deep() {
+  return {"something inside itself, or nested too deep",
+          fmt::format("at most {} levels", kMaxSceneDepth)};
+}
 
 namespace {
 
@@ -42,6 +33,7 @@ struct Parts {
   py::object errors = py::module_::import("tessera.errors");
   py::object color = py::module_::import("tessera._colors").attr("color");
   py::object texture_from = py::module_::import("tessera._textures").attr("texture_from");
+  py::object normals_from = py::module_::import("tessera._textures").attr("normals_from");
   py::object instances = py::module_::import("tessera._graph").attr("Instances");
 };
 
@@ -58,12 +50,10 @@ py::object call_python(py::handle function, py::handle argument) {
   return py::reinterpret_steal<py::object>(made);
 }
 
-/// An array of at least two axes, which stands for a texture of its own.
-bool is_picture(py::handle value) {
-  if (!PyObject_CheckBuffer(value.ptr())) return false;
-  const auto view = py::reinterpret_steal<py::object>(PyMemoryView_FromObject(value.ptr()));
-  if (!view) PyErr_Clear();
-  return view && PyMemoryView_GET_BUFFER(view.ptr())->ndim >= 2;
+bool is_boolean(py::handle value) {
+  // As numpy 1 and 2 name theirs.
+  const std::string_view type = Py_TYPE(value.ptr())->tp_name;
+  return PyBool_Check(value.ptr()) || type == "numpy.bool_" || type == "numpy.bool";
 }
 
 }  // namespace
@@ -82,6 +72,25 @@ py::object ValueReader::taken(Take take) const {
   fail(refused, "");
 }
 
+bool is_picture(py::handle value) {
+  if (!PyObject_CheckBuffer(value.ptr())) {
+    if (PyType_Check(value.ptr()) || !py::hasattr(value, "__array__")) return false;
+    const py::object axes = py::getattr(value, "ndim", py::none());
+    return !PyLong_Check(axes.ptr()) || PyLong_AsLong(axes.ptr()) >= 2;
+  }
+  const auto view = py::reinterpret_steal<py::object>(PyMemoryView_FromObject(value.ptr()));
+  if (!view) PyErr_Clear();
+  return view && PyMemoryView_GET_BUFFER(view.ptr())->ndim >= 2;
+}
+
+py::object ValueReader::texture_of(py::handle picture, bool of_normals) const {
+  const py::object& make = of_normals ? parts().normals_from : parts().texture_from;
+  py::object texture = taken([&] { return call_python(make, picture); });
+  // It was made where that was which it stands in.
+  texture.attr("_place") = py::getattr(values_.back(), "_place", py::none());
+  return texture;
+}
+
 std::string ValueReader::path_text() const {
   std::string path;
   for (const Step& step : path_) {
@@ -91,7 +100,8 @@ std::string ValueReader::path_text() const {
   return path;
 }
 
-void ValueReader::fail(const std::string& found, const std::string& expected) const {
+void ValueReader::fail(const std::string& found, const std::string& expected,
+                       const char* kind) const {
   // Ctrl-C, and memory that ran out, are not about what was found.
   const bool is_about_it = !PyErr_Occurred() || (PyErr_ExceptionMatches(PyExc_Exception) &&
                                                  !PyErr_ExceptionMatches(PyExc_MemoryError));
@@ -100,7 +110,8 @@ void ValueReader::fail(const std::string& found, const std::string& expected) co
   const py::object error = run_or_sleep([&] {
     return parts().errors.attr("scene_error")(
         found, expected, path_text(),
-        values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()));
+        values_.empty() ? py::none() : py::reinterpret_borrow<py::object>(values_.back()),
+        error_class(kind));
   });
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
@@ -112,14 +123,10 @@ void ValueReader::read(py::handle value, Message& message) {
     fail(describe_found(value), with_article(message.GetDescriptor()->name()));
   }
   if (values_.size() >= size_t{kMaxSceneDepth}) {
-    fail("something inside itself, or nested too deep",
-         fmt::format("at most {} levels", kMaxSceneDepth));
+    const auto [found, expected] = nested_too_deep();
+    fail(found, expected, "NestingError");
   }
-  // Ctrl-C is looked for now and then, since to look takes longer than to read a small value.
-  constexpr uint32_t kValuesBetweenSignals = 1024;
-  if (++read_count_ % kValuesBetweenSignals == 0 && PyErr_CheckSignals() != 0) {
-    throw py::error_already_set();
-  }
+  pause_();
   if (values_.empty() || made->message == v1::Object::descriptor()) check_node_count(value);
   values_.push_back(value);
   read_fields(value, *made, message);
@@ -144,6 +151,7 @@ void ValueReader::read_fields(py::handle value, const ValueClass& made, Message&
   }
   if (message.GetDescriptor() == v1::Node::descriptor()) {
     const py::object shape = get_slot(made.field("shape"), value);
+    const Within within(*this, &made.field("shape").name, -1);
     if (!shape.is_none()) add_shape_transform(shape, static_cast<v1::Node&>(message));
   }
 }
@@ -264,8 +272,7 @@ void ValueReader::read_input(py::handle held, Message& message) {
   const bool is_color = message.GetDescriptor() == v1::ColorInput::descriptor();
   py::object texture = py::reinterpret_borrow<py::object>(held);
   if (!made && is_picture(held)) {
-    texture = taken([&] { return call_python(parts().texture_from, held); });
-    made_here_.push_back(texture);
+    texture = texture_of(held, false);
     made = find_value_class(texture);
   }
   const pb::Descriptor* type = message.GetDescriptor();
@@ -329,6 +336,8 @@ void ValueReader::read_array(py::handle held, const Field& field, v1::BlobRef& m
 /// A material, texture or object of the scene's own lists.
 void ValueReader::read_member(py::handle held, const Field& field) {
   const ValueClass* made = find_value_class(held);
+  if (!made && field.message_type() == v1::Texture::descriptor() && is_picture(held))
+    return read_member(texture_of(held, false), field);
   if (!made || made->message != field.message_type()) {
     fail(describe_found(held), with_article(field.message_type()->name()));
   }
@@ -336,6 +345,7 @@ void ValueReader::read_member(py::handle held, const Field& field) {
 }
 
 double ValueReader::to_number(py::handle held) const {
+  if (is_boolean(held)) fail(describe_found(held), "a number");
   if (PyFloat_CheckExact(held.ptr())) {
     const double number = PyFloat_AS_DOUBLE(held.ptr());
     if (!std::isfinite(number)) fail(describe_found(held), "a finite number");
@@ -348,15 +358,13 @@ double ValueReader::to_number(py::handle held) const {
 }
 
 int64_t ValueReader::to_integer(py::handle held, int64_t least, int64_t most) const {
-  const bool is_truth = least == 0 && most == 1;
+  const bool wants_boolean = least == 0 && most == 1;
   const std::string expected =
-      is_truth ? "True or False" : fmt::format("a whole number from {} to {}", least, most);
-  py::object whole;
-  if (is_truth && std::string(Py_TYPE(held.ptr())->tp_name) == "numpy.bool_") {
-    whole = py::int_(PyObject_IsTrue(held.ptr()));
-  } else {
-    whole = py::reinterpret_steal<py::object>(PyNumber_Index(held.ptr()));
-  }
+      wants_boolean ? "True or False" : fmt::format("a whole number from {} to {}", least, most);
+  if (!wants_boolean && is_boolean(held)) fail(describe_found(held), expected);
+  const py::object whole = is_boolean(held)
+                               ? py::int_(PyObject_IsTrue(held.ptr()))
+                               : py::reinterpret_steal<py::object>(PyNumber_Index(held.ptr()));
   if (!whole) fail(describe_found(held), expected);
   int overflow = 0;
   const long long number = PyLong_AsLongLongAndOverflow(whole.ptr(), &overflow);
@@ -368,7 +376,8 @@ std::string ValueReader::to_text(py::handle held) const {
   py::ssize_t size = 0;
   const char* text =
       PyUnicode_Check(held.ptr()) ? PyUnicode_AsUTF8AndSize(held.ptr(), &size) : nullptr;
-  if (!text) fail(describe_found(held), "text");
+  if (!text)
+    fail(describe_found(held), PyUnicode_Check(held.ptr()) ? "text that is UTF-8" : "text");
   return {text, static_cast<size_t>(size)};
 }
 

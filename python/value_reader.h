@@ -10,6 +10,7 @@
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
+#include "python/gil.h"
 #include "python/value_classes.h"
 
 namespace tessera {
@@ -21,6 +22,10 @@ const google::protobuf::FieldDescriptor* list_of(const google::protobuf::Descrip
 const google::protobuf::Descriptor* named_type(const google::protobuf::FieldDescriptor& field);
 /// What a value is, for messages: a number or text itself, or "a Sphere".
 std::string describe_found(pybind11::handle value);
+/// What is said of values inside themselves: what was found and what was expected.
+std::pair<std::string, std::string> nested_too_deep();
+/// Whether it is an array of at least two axes, which stands for a texture of its own.
+bool is_picture(pybind11::handle value);
 /// Equal messages, equal bytes.
 std::string bytes_of(const google::protobuf::Message& message);
 
@@ -66,7 +71,9 @@ class ValueReader {
   /// What `take` returns; an exception that it raises is told with the place and the way there.
   template <class Take>
   pybind11::object taken(Take take) const;
-  [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
+  /// `kind`: the class of the error, a SceneError.
+  [[noreturn]] void fail(const std::string& found, const std::string& expected,
+                         const char* kind = "SceneError") const;
   void read_fields(pybind11::handle value, const ValueClass& made, Message& message);
   void read_field(pybind11::handle held, const Field& field, Message& message);
   void read_list(pybind11::handle held, const Field& field, Message& message);
@@ -82,6 +89,8 @@ class ValueReader {
   void read_node(pybind11::handle held, v1::Node& node);
   void add_shape_transform(pybind11::handle shape, v1::Node& node);
   void read_instances(pybind11::handle instances, const Field& field, Message& message);
+  /// The texture that an array stands for. `of_normals`: of numbers, not of colours.
+  pybind11::object texture_of(pybind11::handle picture, bool of_normals) const;
   void read_member(pybind11::handle held, const Field& field);
   double to_number(pybind11::handle held) const;
   int64_t to_integer(pybind11::handle held, int64_t least, int64_t most) const;
@@ -96,9 +105,23 @@ class ValueReader {
   std::vector<pybind11::handle> values_;  ///< those being read, the outermost first
   std::unordered_map<const google::protobuf::Descriptor*, Collection> collections_;
   std::vector<NamedPart> named_parts_;
-  size_t node_count_ = 0;    ///< in the values that check_node_count() was called for
-  uint32_t read_count_ = 0;  ///< calls of read()
-  std::vector<pybind11::object> made_here_;  ///< keeps alive what name_of has addresses of
+  size_t node_count_ = 0;  ///< in the values that check_node_count() was called for
+  GilPauses pause_;
+  std::vector<pybind11::object> collected_;  ///< keeps alive what name_of has addresses of
+};
+
+/// One step of the way to what is being read, for as long as it lives.
+class ValueReader::Within {
+ public:
+  Within(ValueReader& reader, const std::string* name, py::ssize_t index) : reader_(reader) {
+    reader_.path_.push_back({name, index});
+  }
+  ~Within() { reader_.path_.pop_back(); }
+  Within(const Within&) = delete;
+  Within& operator=(const Within&) = delete;
+
+ private:
+  ValueReader& reader_;
 };
 
 }  // namespace tessera

@@ -22,6 +22,7 @@ class ValueWriter {
   explicit ValueWriter(const BlobStore& blobs) : blobs_(blobs) {}
 
   py::object write(const pb::Message& message) {
+    pause_();
     const ValueClass& made = value_class_of(message);
     const pb::Message& kind =
         made.kind ? message.GetReflection()->GetMessage(message, made.kind) : message;
@@ -131,6 +132,7 @@ class ValueWriter {
   }
 
   const BlobStore& blobs_;
+  GilPauses pause_;
   py::object vec_ = py::module_::import("tessera._core").attr("Vec");
   py::object color_ = py::module_::import("tessera._colors").attr("Color");
 };

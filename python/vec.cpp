@@ -15,8 +15,13 @@ struct Vec {
   double at[3];
 };
 
-/// TypeError in place of another; what is none of the value passes.
+/// TypeError in place of another, ValueError for a number too large; what is none of the value
+/// passes.
 [[noreturn]] void refuse(const std::string& found) {
+  if (PyErr_Occurred() && PyErr_ExceptionMatches(PyExc_OverflowError)) {
+    PyErr_Clear();
+    throw py::value_error("a number above all that a float has; expected a smaller one");
+  }
   if (PyErr_Occurred() && !PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
   PyErr_Clear();
   throw py::type_error(found + "; expected a vector of 3 numbers");
@@ -60,10 +65,17 @@ Vec normalized(const Vec& v) {
   return {{v.at[0] / l, v.at[1] / l, v.at[2] / l}};
 }
 
-double item(const Vec& v, py::ssize_t index) {
-  const py::ssize_t at = index < 0 ? index + 3 : index;
-  if (at < 0 || at > 2) throw py::index_error(fmt::format("index {} of 3", index));
-  return v.at[at];
+py::tuple numbers_of(const Vec& v) { return py::make_tuple(v.at[0], v.at[1], v.at[2]); }
+
+py::object item(const Vec& v, py::handle index) {
+  if (!PyIndex_Check(index.ptr()) && !PySlice_Check(index.ptr()))
+    throw py::type_error(describe_found(index) + "; expected an index from -3 to 2, or a slice");
+  const auto found =
+      py::reinterpret_steal<py::object>(PyObject_GetItem(numbers_of(v).ptr(), index.ptr()));
+  if (found) return found;
+  if (!PyErr_ExceptionMatches(PyExc_IndexError)) throw py::error_already_set();
+  PyErr_Clear();
+  throw py::index_error(describe_found(index) + "; expected an index from -3 to 2");
 }
 
 std::string show(const Vec& v) {
@@ -73,7 +85,9 @@ std::string show(const Vec& v) {
 
 /// Whether it is an array of numpy, or of a library that works with numpy's.
 bool is_array(py::handle given) {
-  return py::hasattr(given, "__array_ufunc__") && given.attr("ndim").cast<int>() > 0;
+  if (PyType_Check(given.ptr()) || !py::hasattr(given, "__array_ufunc__")) return false;
+  const py::object axes = py::getattr(given, "ndim", py::none());
+  return PyLong_Check(axes.ptr()) && PyLong_AsLong(axes.ptr()) > 0;
 }
 bool is_sequence(py::handle given) {
   return PySequence_Check(given.ptr()) && !py::isinstance<py::str>(given) &&
@@ -102,6 +116,7 @@ auto with_number(F f) {
   return [f](const Vec& a, py::handle b) {
     const double number = PyFloat_AsDouble(b.ptr());
     if (number != -1 || !PyErr_Occurred()) return py::cast(f(a, number));
+    if (!PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
     PyErr_Clear();
     return not_implemented();
   };
@@ -119,7 +134,7 @@ Vec divided(const Vec& v, double s) {
 template <bool kWanted>
 py::object compare_numbers(const Vec& a, py::handle other) {
   if (!is_sequence(other)) return not_implemented();
-  const py::tuple numbers = py::make_tuple(a.at[0], a.at[1], a.at[2]);
+  const py::tuple numbers = numbers_of(a);
   return py::bool_(numbers.equal(py::tuple(py::reinterpret_borrow<py::object>(other))) == kWanted);
 }
 
@@ -159,6 +174,12 @@ void bind_vec(py::module_& module) {
            }),
            py::arg("x"), py::arg("y"), py::arg("z"))
       .def(py::init([](const py::object& given) { return take(given); }), py::arg("components"))
+      // What is neither, of which pybind11 would tell C++ types.
+      .def(py::init([](const py::args& given, const py::kwargs& named) {
+        if (named.empty()) return take(given);
+        const auto name = py::cast<std::string>(named.begin()->first);
+        throw py::type_error(fmt::format("{}: expected Vec(x, y, z) or Vec(components)", name));
+      }))
       .def_buffer([](const Vec& v) {
         return py::buffer_info(const_cast<double*>(v.at), sizeof(double), "d", 1, {3},
                                {sizeof(double)}, true);
@@ -171,10 +192,8 @@ void bind_vec(py::module_& module) {
           "z", [](const Vec& v) { return v.at[2]; }, "The third component.")
       .def("__len__", [](const Vec&) { return 3; })
       .def("__getitem__", item)
-      .def("__iter__",
-           [](const Vec& v) { return py::iter(py::make_tuple(v.at[0], v.at[1], v.at[2])); })
-      .def("__hash__",
-           [](const Vec& v) { return py::hash(py::make_tuple(v.at[0], v.at[1], v.at[2])); })
+      .def("__iter__", [](const Vec& v) { return py::iter(numbers_of(v)); })
+      .def("__hash__", [](const Vec& v) { return py::hash(numbers_of(v)); })
       .def("__repr__", show)
       .def(
           "dot", [](const Vec& a, py::handle b) { return dot(a, take(b)); }, "The scalar product.")

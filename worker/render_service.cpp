@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "base/cancellation.h"
 #include "base/error.h"
 #include "base/monotonic.h"
 #include "base/signal_stack.h"
@@ -118,9 +119,14 @@ BuildOutcome RenderService::build_now(const BuildRun& run) const {
   outcome.job = run.job;
   outcome.frame_id = run.frame_id;
   const Time start = monotonic_now();
+  const Cancellation cancellation(run.dropped.get());
+  run.started = true;
   try {
+    Cancellation::check();
     outcome.renderer = factory_(run.scene, run.blobs, run.frame, thread_count_);
     if (!outcome.renderer) throw render_error("the scene gave no tracer");
+  } catch (const WorkCancelled&) {
+    outcome.dropped = true;
   } catch (const Error& error) {
     outcome.failure = error.what();
     outcome.cause = error.code() == ExitCode::bad_scene   ? v1::SceneFailed::BAD_SCENE

@@ -71,13 +71,19 @@ void SceneCache::keep(const v1::JobStart& start, std::shared_ptr<const TileRende
   if (built_.size() > kTracersKept) built_.pop_back();
 }
 
-std::optional<BuildRun> SceneCache::input(const v1::JobStart& start) const {
+std::shared_ptr<BuildRun> SceneCache::input(const v1::JobStart& start) const {
   const auto digest = Digest::parse(start.scene_digest());
   const BlobData bytes = digest ? blobs_.find(*digest) : nullptr;
-  if (!bytes) return std::nullopt;
+  if (!bytes) return nullptr;
   auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-  if (!scene) return std::nullopt;
-  return BuildRun{start.job(), start.frame_id(), std::move(*scene), blobs_, start.frame()};
+  if (!scene) return nullptr;
+  auto run = std::make_shared<BuildRun>();
+  run->job = start.job();
+  run->frame_id = start.frame_id();
+  run->scene = std::move(*scene);
+  run->blobs = blobs_;
+  run->frame = start.frame();
+  return run;
 }
 
 }  // namespace tessera

@@ -41,8 +41,8 @@ class SceneCache {
   void keep(const v1::JobStart& start, std::shared_ptr<const TileRenderer> renderer);
 
   BlobStore& blobs() { return blobs_; }
-  /// What to build, once all blobs are here; nothing if the scene's bytes are none.
-  std::optional<BuildRun> input(const v1::JobStart& start) const;
+  /// What to build, once all blobs are here; null if the scene's bytes are none.
+  std::shared_ptr<BuildRun> input(const v1::JobStart& start) const;
 
  private:
   struct Built {

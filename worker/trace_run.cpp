@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "base/cancellation.h"
 #include "base/monotonic.h"
 #include "base/process_usage.h"
 #include "proto/wire/pixels.h"
@@ -21,6 +22,7 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
   }
   run->started = true;
   const Time began = thread_time();
+  const Cancellation cancellation(run->job_dropped.get());
   try {
     const auto pixels = run->renderer->render(run->task, run->progress);
     if (!pixels) {
@@ -42,6 +44,9 @@ TraceOutcome trace(std::shared_ptr<TraceRun> run) {
     for (const auto& [name, value] : pixels->counters) {
       (*last.mutable_counters()->mutable_values())[name] = value;
     }
+  } catch (const WorkCancelled&) {
+    outcome.bands.clear();
+    outcome.cancelled = true;
   } catch (const std::bad_alloc&) {
     outcome.bands.clear();
     outcome.out_of_memory = true;

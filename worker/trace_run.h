@@ -24,6 +24,9 @@ struct TraceRun {
   bool compress = false;
   TileProgress progress;
   std::atomic<bool> started{false};
+  /// Set from outside: the job is not wanted, nor what its scene may still have to build. Null:
+  /// that never happens. `progress.cancelled` is of this tile alone, which others may be tracing.
+  std::shared_ptr<const std::atomic<bool>> job_dropped{};
   uint64_t waited = 0;  ///< of the session: heartbeats at which it may have waited for a tree
 };
 
@@ -44,6 +47,8 @@ struct BuildRun {
   v1::Scene scene;
   BlobStore blobs;
   v1::FrameSettings frame;
+  std::shared_ptr<const std::atomic<bool>> dropped{};  ///< as TraceRun::job_dropped
+  mutable std::atomic<bool> started{false};            ///< by the thread that builds it
 };
 
 struct BuildOutcome {
@@ -53,6 +58,7 @@ struct BuildOutcome {
   double seconds = 0;
   std::string failure;
   v1::SceneFailed::Cause cause = v1::SceneFailed::OTHER;  ///< where it failed
+  bool dropped = false;                                   ///< it is no fault of the scene's
 };
 
 /// Traces a run to its outcome; used by any thread. Throws nothing.

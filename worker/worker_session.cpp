@@ -1,6 +1,8 @@
 #include "worker/worker_session.h"
 
 #include <algorithm>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "base/process.h"
@@ -11,6 +13,8 @@ namespace {
 
 constexpr Time kFirstHelloPause = std::chrono::seconds(1);
 constexpr Time kLongestHelloPause = std::chrono::seconds(8);
+// After the end of the one before it, where both come of one decision.
+constexpr Time kNextJobComes = std::chrono::milliseconds(5);
 // So often a coordinator may say that it has not a blob of the job that it told of.
 constexpr int kMostMissed = 3;
 
@@ -78,6 +82,8 @@ void WorkerSession::drain(Time now) {
 void WorkerSession::leave(const std::string& reason) {
   for (auto& [lease, run] : runs_) run->progress.cancelled = true;
   runs_.clear();
+  for (auto& [id, job] : jobs_) *job.dropped = true;
+  for (OrphanedBuild& build : orphaned_builds_) *build.dropped = true;
   v1::Bye& bye = *send().mutable_bye();
   bye.set_session(options_.hello.session());
   bye.set_reason(reason);
@@ -91,9 +97,34 @@ void WorkerSession::cancel_runs(uint64_t job) {
   });
 }
 
+void WorkerSession::drop_builds() {
+  next_drop_ = Time::max();
+  if (orphaned_builds_.empty()) return;
+  std::erase_if(orphaned_builds_, [this](const OrphanedBuild& build) {
+    const auto& blobs = build.start.blobs();
+    const bool wanted = std::ranges::any_of(jobs_, [&blobs](const auto& entry) {
+      const Job& job = entry.second;
+      if (job.renderer || job.bad() || blobs.empty()) return false;
+      const std::set<std::string_view> needed(job.start.blobs().begin(), job.start.blobs().end());
+      return std::ranges::all_of(blobs, [&](const auto& blob) { return needed.contains(blob); });
+    });
+    if (!wanted) *build.dropped = true;
+    return !wanted;
+  });
+}
+
 void WorkerSession::forget_job(uint64_t job) {
   cancel_runs(job);
-  jobs_.erase(job);
+  if (const auto it = jobs_.find(job); it != jobs_.end()) {
+    Job& over = it->second;
+    if (over.building && over.run->started) {
+      orphaned_builds_.push_back({over.start, over.run, over.dropped});
+      next_drop_ = last_heard_ + kNextJobComes;
+    } else {
+      *over.dropped = true;
+    }
+    jobs_.erase(it);
+  }
   forget_results([job](const Result& result) { return job_of(result.message) == job; });
 }
 
@@ -258,6 +289,7 @@ void WorkerSession::on_job_start(const v1::JobStart& start, Time now) {
     fresh.renderer = cache_.built(start);
     for (const BlobLookup& lookup : lookups) actions_.push_back(LookForBlob{lookup});
   }
+  drop_builds();
   Job& job = jobs_.at(start.job());
   if (job.bad()) return send_failure(job);
   if (job.renderer) return send_ready(job);
@@ -277,8 +309,10 @@ void WorkerSession::fetch_more(Job& job, Time now) {
   if (!run) {
     return scene_failed(job, "the scene's bytes are no scene", v1::SceneFailed::BAD_SCENE);
   }
+  run->dropped = job.dropped;
   job.building = true;
-  actions_.push_back(StartBuild{std::make_shared<const BuildRun>(std::move(*run))});
+  job.run = run;
+  actions_.push_back(StartBuild{std::move(run)});
 }
 
 void WorkerSession::scene_failed(Job& job, const std::string& text, v1::SceneFailed::Cause cause) {
@@ -318,12 +352,20 @@ void WorkerSession::send_ready(const Job& job) {
 }
 
 void WorkerSession::on_built(BuildOutcome outcome, Time) {
+  if (outcome.dropped) return;
+  std::erase_if(orphaned_builds_, [&](const OrphanedBuild& build) {
+    const bool is_it = build.run->job == outcome.job && build.run->frame_id == outcome.frame_id;
+    // Its trees are for the job that comes after it.
+    if (is_it && outcome.renderer) cache_.keep(build.start, outcome.renderer);
+    return is_it;
+  });
   const auto it = jobs_.find(outcome.job);
   // Another frame may have the number by now.
   if (it == jobs_.end() || !it->second.building) return;
   if (it->second.start.frame_id() != outcome.frame_id) return;
   Job& job = it->second;
   job.building = false;
+  job.run = nullptr;
   if (!outcome.renderer) {
     return scene_failed(job, outcome.failure, outcome.cause);
   }
@@ -380,6 +422,7 @@ void WorkerSession::on_tick(Time now) {
     say_hello(now);
   }
   if (welcomed_ && now >= next_heartbeat_) send_heartbeat(now);
+  if (now >= next_drop_) drop_builds();
   for (auto& [id, job] : jobs_) fetch_more(job, now);
 }
 
@@ -387,6 +430,7 @@ Time WorkerSession::next_deadline() const {
   Time next = welcomed_
                   ? std::min(next_heartbeat_, last_heard_ + milliseconds(welcome_.lost_after_ms()))
                   : next_hello_;
+  next = std::min(next, next_drop_);
   if (options_.orphan_timeout != Time::max()) {
     next = std::min(next, last_heard_ + options_.orphan_timeout);
   }

@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -116,6 +117,9 @@ class WorkerSession {
     v1::SceneFailed failure;  ///< job 0: it has not failed
     double build_seconds = 0;
     std::shared_ptr<const TileRenderer> renderer;
+    std::shared_ptr<const BuildRun> run;  ///< while it is being built
+    /// Ends what is built of it.
+    std::shared_ptr<std::atomic<bool>> dropped = std::make_shared<std::atomic<bool>>(false);
 
     bool bad() const { return failure.job() != 0; }
     bool fetches() const { return !renderer && !building && !bad(); }
@@ -131,6 +135,9 @@ class WorkerSession {
   void on_assign(const v1::Assign& assign);
   void on_cancel_tile(const v1::CancelTile& cancel);
   void cancel_runs(uint64_t job);
+  /// Drops what is built for jobs that are over, except for builds of which a job that is still to
+  /// be built needs all meshes and pictures too.
+  void drop_builds();
   void forget_job(uint64_t job);
   void forget_jobs();
   /// Drops jobs of which nothing is traced until the scenes of the rest have room.
@@ -153,6 +160,15 @@ class WorkerSession {
   Time last_heard_, next_hello_, next_heartbeat_{};
   Time hello_pause_;
   std::map<uint64_t, Job> jobs_;
+  /// Of jobs that are over. The next job often comes with the end of the one before it, and is of
+  /// the same meshes.
+  struct OrphanedBuild {
+    v1::JobStart start;
+    std::shared_ptr<const BuildRun> run;
+    std::shared_ptr<std::atomic<bool>> dropped;
+  };
+  std::vector<OrphanedBuild> orphaned_builds_;
+  Time next_drop_ = Time::max();    ///< when it is decided about those, if no job comes before
   std::map<uint64_t, int> missed_;  ///< how often a blob of that job was not to be had
   SceneCache cache_;
   using LeaseOfJob = std::pair<uint64_t, uint64_t>;

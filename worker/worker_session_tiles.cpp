@@ -34,6 +34,7 @@ void WorkerSession::on_assign(const v1::Assign& assign) {
   run->task = {rect, assign.first_sample(), assign.sample_count()};
   run->renderer = job->second.renderer;
   run->compress = welcome_.compress_pixels();
+  run->job_dropped = job->second.dropped;
   runs_.emplace(LeaseOfJob(run->job, run->lease), run);
   actions_.push_back(StartTrace{std::move(run)});
 }

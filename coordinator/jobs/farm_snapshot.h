@@ -53,6 +53,7 @@ struct FarmSnapshot {
     uint64_t workers_seen = 0, workers_lost = 0, workers_set_aside = 0;
     uint64_t bytes_scene = 0, bytes_results = 0;  ///< to and from workers
     uint64_t jobs_accepted = 0;
+    uint64_t rays = 0;  ///< that workers traced, as they say with each tile or part of one
     SecondsHistogram tile_seconds;    ///< from assignment to completion, of tiles_done
     SecondsHistogram commit_seconds;  ///< of what was written to the store
 

@@ -35,7 +35,7 @@ FarmSnapshot::JobState state_of(const v1::JobStatus& status) {
 
 }  // namespace
 
-v1::JobStatus status_of(const FarmJob& job, uint32_t frame, const std::string& trouble, Time now) {
+v1::JobStatus status_of(const Job& job, uint32_t frame, const std::string& trouble, Time now) {
   const v1::SubmitJob& request = job.request();
   v1::JobStatus status;
   status.set_submission(request.submission());
@@ -83,7 +83,7 @@ v1::JobStatus status_of(const FarmJob& job, uint32_t frame, const std::string& t
   return status;
 }
 
-FarmSnapshot::Job describe(const FarmJob& job, Time now) {
+FarmSnapshot::Job describe(const Job& job, Time now) {
   const v1::JobStatus status = status_of(job, 0, "", now);
   FarmSnapshot::Job shown;
   shown.id = job.id();
@@ -103,8 +103,7 @@ FarmSnapshot::Job describe(const FarmJob& job, Time now) {
   shown.worker_seconds = job.worker_seconds();
   shown.exit_code = static_cast<int>(status.exit_code());
   shown.failure = printable(status.failure());
-  for (const FarmJob::Running& running : job.running())
-    shown.frames_running.push_back(running.frame);
+  for (const Job::Running& running : job.running()) shown.frames_running.push_back(running.frame);
   return shown;
 }
 

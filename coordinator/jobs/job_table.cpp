@@ -50,7 +50,7 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
       if (film && has_frame(kept, end.frame())) films_.note(*film, recipe_of(kept, end.frame()));
     }
     last_job_ = std::max(last_job_, kept.job());
-    auto job = std::make_unique<FarmJob>(std::move(kept));
+    auto job = std::make_unique<Job>(std::move(kept));
     by_submission_[job->request().submission()] = job->id();
     add(std::move(job));
   }
@@ -62,13 +62,13 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
                open_.size() == 1 ? "1 has" : fmt::format("{} have", open_.size()));
 }
 
-void JobTable::add(std::unique_ptr<FarmJob> job) {
+void JobTable::add(std::unique_ptr<Job> job) {
   const uint64_t id = job->id();
   if (!job->ended()) open_.emplace(id, job.get());
   jobs_.emplace(id, std::move(job));
 }
 
-v1::JobStatus JobTable::status(const FarmJob& job, uint32_t frame, Time now) const {
+v1::JobStatus JobTable::status(const Job& job, uint32_t frame, Time now) const {
   v1::JobStatus status = status_of(job, frame, store_trouble(), now);
   const bool unsaved = std::any_of(unsaved_.begin(), unsaved_.end(),
                                    [&job](const auto& end) { return end.first == job.id(); });
@@ -95,26 +95,26 @@ void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
 std::vector<std::pair<uint64_t, uint32_t>> JobTable::running_frames() const {
   std::vector<std::pair<uint64_t, uint32_t>> result;
   for (const auto& [id, job] : open_) {
-    for (const FarmJob::Running& running : job->running()) result.emplace_back(id, running.frame);
+    for (const Job::Running& running : job->running()) result.emplace_back(id, running.frame);
   }
   return result;
 }
 
-const ActiveJob* JobTable::running(uint64_t job, uint32_t frame) const {
+const ActiveFrame* JobTable::running(uint64_t job, uint32_t frame) const {
   const auto it = open_.find(job);
   if (it == open_.end()) return nullptr;
-  for (const FarmJob::Running& running : it->second->running()) {
+  for (const Job::Running& running : it->second->running()) {
     if (running.frame == frame) return running.active.get();
   }
   return nullptr;
 }
 
 std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
-  if (const ActiveJob* active = running(id, frame)) {
+  if (const ActiveFrame* active = running(id, frame)) {
     const Film& film = active->assembler().film();
     return FilmView{film.rect(), film.channels(), film.values(), nullptr};
   }
-  const FarmJob* const job = find(id);
+  const Job* const job = find(id);
   const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
   const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
   const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
@@ -125,10 +125,10 @@ std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
 }
 
 std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int most_side) {
-  FarmJob* const job = find(id);
+  Job* const job = find(id);
   if (!job || frame >= job->frame_count()) return std::nullopt;
   const v1::Output& output = job->request().frames(static_cast<int>(frame)).output();
-  if (const ActiveJob* active = running(id, frame)) {
+  if (const ActiveFrame* active = running(id, frame)) {
     if (active->assembler().tiles_done() == 0) return std::nullopt;
     return make_preview(active->assembler().film(), output, active->assembler().tiles_done(),
                         most_side);
@@ -147,7 +147,7 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
 }
 
 std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {
-  if (const ActiveJob* active = running(job, frame)) {
+  if (const ActiveFrame* active = running(job, frame)) {
     return std::make_shared<const FrameTrace>(active->trace());
   }
   const uint64_t id = frame_number(job, frame);
@@ -166,7 +166,7 @@ uint64_t JobTable::frame_number(uint64_t job, uint32_t frame) {
 uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
   check_job(spec);
   const uint64_t id = ++last_job_;
-  auto job = std::make_unique<FarmJob>(id, std::move(spec), std::move(tiles), now);
+  auto job = std::make_unique<Job>(id, std::move(spec), std::move(tiles), now);
   job->kept().set_id(job_id_of(rules_.opening, id));
   add(std::move(job));
   return frame_number(id, 0);
@@ -178,6 +178,19 @@ void JobTable::interrupt(uint64_t frame, Time now) {
     if (job->running().empty()) job->begin(0, make_active(*job, 0, now), now);
     job->running().front().active->interrupt();
   }
+}
+
+void JobTable::abandon(uint64_t frame) {
+  results_.erase(frame);
+  const auto at = std::ranges::find_if(open_, [&](const auto& open) {
+    return open.second->local() && frame_number(open.first, 0) == frame;
+  });
+  if (at == open_.end()) return;
+  const auto [id, job] = *at;
+  for (const Job::Running& running : job->running()) changes_.ended.push_back(running.active->id());
+  open_.erase(at);
+  jobs_.erase(id);
+  list_running();
 }
 
 std::optional<JobResult> JobTable::take_result(uint64_t frame) {
@@ -221,23 +234,23 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, T
   *kept.mutable_request() = std::move(request);
   store_->save(kept);
   ++last_job_;
-  auto job = std::make_unique<FarmJob>(std::move(kept), now);
+  auto job = std::make_unique<Job>(std::move(kept), now);
   by_submission_[job->request().submission()] = job->id();
   add(std::move(job));
   ++jobs_accepted_;
 }
 
-FarmJob* JobTable::find(uint64_t id) {
+Job* JobTable::find(uint64_t id) {
   const auto it = jobs_.find(id);
   return it == jobs_.end() || it->second->local() ? nullptr : it->second.get();
 }
 
-FarmJob* JobTable::find_submission(uint64_t submission) {
+Job* JobTable::find_submission(uint64_t submission) {
   const auto it = by_submission_.find(submission);
   return it == by_submission_.end() ? nullptr : find(it->second);
 }
 
-void JobTable::pause(FarmJob& job, bool paused) {
+void JobTable::pause(Job& job, bool paused) {
   if (job.ended() || job.kept().paused() == paused) return;
   v1::KeptJob changed = job.kept();
   changed.set_paused(paused);
@@ -245,7 +258,7 @@ void JobTable::pause(FarmJob& job, bool paused) {
   job.kept() = std::move(changed);
 }
 
-void JobTable::set_priority(FarmJob& job, int32_t priority) {
+void JobTable::set_priority(Job& job, int32_t priority) {
   if (priority < -kMostPriority || priority > kMostPriority) {
     throw usage_error(fmt::format("priority {}; expected a number from {} to {}", priority,
                                   -kMostPriority, kMostPriority));
@@ -256,7 +269,7 @@ void JobTable::set_priority(FarmJob& job, int32_t priority) {
   job.kept() = std::move(changed);
 }
 
-void JobTable::cancel(FarmJob& job) {
+void JobTable::cancel(Job& job) {
   if (job.ended() || job.kept().cancelled()) return;
   v1::KeptJob changed = job.kept();
   changed.set_cancelled(true);
@@ -268,7 +281,7 @@ void JobTable::cancel(FarmJob& job) {
   }
 }
 
-void JobTable::forget_film(const FarmJob& job, const std::string& film) {
+void JobTable::forget_film(const Job& job, const std::string& film) {
   films_.forget(Digest::from_hex(film));
   for (const auto& [id, other] : jobs_) {
     if (other.get() == &job) continue;
@@ -280,7 +293,7 @@ void JobTable::forget_film(const FarmJob& job, const std::string& film) {
   }
 }
 
-bool JobTable::retry(FarmJob& job) {
+bool JobTable::retry(Job& job) {
   if (job.hold()) {
     job.release();
     job.forget_failures();
@@ -297,7 +310,7 @@ bool JobTable::retry(FarmJob& job) {
   return any;
 }
 
-void JobTable::reopen(FarmJob& job, uint32_t frame) {
+void JobTable::reopen(Job& job, uint32_t frame) {
   store_->remove_end(job.id(), frame);
   std::erase_if(unsaved_, [&](const auto& unsaved) {
     return unsaved.first == job.id() && unsaved.second.frame() == frame;
@@ -307,7 +320,7 @@ void JobTable::reopen(FarmJob& job, uint32_t frame) {
   open_.emplace(job.id(), &job);
 }
 
-void JobTable::forget(FarmJob& job) {
+void JobTable::forget(Job& job) {
   if (!job.ended()) return;
   std::unordered_set<std::string> others;
   for (const auto& [id, other] : jobs_) {

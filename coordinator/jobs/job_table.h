@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "base/monotonic.h"
-#include "coordinator/jobs/active_job.h"
-#include "coordinator/jobs/farm_job.h"
+#include "coordinator/jobs/active_frame.h"
 #include "coordinator/jobs/farm_snapshot.h"
 #include "coordinator/jobs/film_shelf.h"
+#include "coordinator/jobs/job.h"
 #include "coordinator/jobs/job_rules.h"
 #include "coordinator/jobs/job_store.h"
 #include "job/job.h"
@@ -31,27 +31,32 @@ class JobTable {
   uint64_t submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles);
   /// Ends it now, as interrupted, with what there is; also where it was not begun.
   void interrupt(uint64_t frame, Time now);
+  /// Forgets it, begun or not; advance() tells that it has ended.
+  void abandon(uint64_t frame);
   /// The result of a job from submit() once it has ended; told once.
   std::optional<JobResult> take_result(uint64_t job);
+  /// Of any frame that is being traced, by the number that submit() returns and workers know; null
+  /// for others.
+  const ActiveFrame* running(uint64_t frame) const;
 
   // Jobs of clients.
   /// Takes a submission whose blobs are in the store. Throws Error where it cannot be rendered or
   /// kept.
   void accept(v1::SubmitJob request, const std::vector<Digest>& blobs, Time now);
-  FarmJob* find(uint64_t job);
-  FarmJob* find_submission(uint64_t submission);
-  const std::map<uint64_t, std::unique_ptr<FarmJob>>& all() const { return jobs_; }
+  Job* find(uint64_t job);
+  Job* find_submission(uint64_t submission);
+  const std::map<uint64_t, std::unique_ptr<Job>>& all() const { return jobs_; }
   uint64_t last_job() const { return last_job_; }
   /// Each throws render_error where the store cannot keep it; then nothing has changed.
-  void pause(FarmJob& job, bool paused);
-  void set_priority(FarmJob& job, int32_t priority);
-  void cancel(FarmJob& job);
+  void pause(Job& job, bool paused);
+  void set_priority(Job& job, int32_t priority);
+  void cancel(Job& job);
   /// An ended one.
-  void forget(FarmJob& job);
+  void forget(Job& job);
   /// Frames that failed are rendered again, what is held is tried now. False where there is
   /// neither.
-  bool retry(FarmJob& job);
-  v1::JobStatus status(const FarmJob& job, uint32_t frame, Time now) const;
+  bool retry(Job& job);
+  v1::JobStatus status(const Job& job, uint32_t frame, Time now) const;
 
   // For people.
   /// Jobs of clients, and the counters of jobs.
@@ -60,7 +65,7 @@ class JobTable {
   uint64_t accepted_count() const { return jobs_accepted_; }
   std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
   /// Null where that frame is not being traced.
-  const ActiveJob* running(uint64_t job, uint32_t frame) const;
+  const ActiveFrame* running(uint64_t job, uint32_t frame) const;
   std::optional<FilmView> film(uint64_t job, uint32_t frame);
   /// Nothing where there is no such frame, or nothing of it yet.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
@@ -81,14 +86,14 @@ class JobTable {
   /// Counts what workers hold until now; to be called before that changes.
   void account(Time now);
   /// By the number that workers know.
-  ActiveJob* running(uint64_t frame);
+  ActiveFrame* running(uint64_t frame);
   /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share
   /// that each has had.
-  const std::vector<ActiveJob*>& by_need(Time now);
-  const std::vector<ActiveJob*>& running() const { return running_; }
+  const std::vector<ActiveFrame*>& by_need(Time now);
+  const std::vector<ActiveFrame*>& running() const { return running_; }
   struct Changes {
     std::vector<uint64_t> ended;  ///< frames, by the number that workers know
-    std::vector<ActiveJob*> begun;
+    std::vector<ActiveFrame*> begun;
   };
   /// Files what has ended, and begins what there is room for.
   Changes advance(Time now);
@@ -102,66 +107,71 @@ class JobTable {
   /// What workers or clients may fetch; `of`: the frame that it is for, null for a film.
   struct FoundBlob {
     BlobData data;
-    ActiveJob* of = nullptr;
+    ActiveFrame* of = nullptr;
   };
   FoundBlob find_blob(const Digest& digest);
+  /// What a client's frame is traced from; nothing where there is no such frame. Throws Error where
+  /// the store has it no longer.
+  std::optional<JobSpec> spec(uint64_t job, uint32_t frame);
 
  private:
   static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
   /// Whether what is kept has that frame: rows of a store may be damaged.
   static bool has_frame(const v1::KeptJob& kept, uint32_t frame);
   /// Of that job, which is not to be shown any more, though other tiles may make up the same.
-  void forget_film(const FarmJob& job, const std::string& film);
-  void add(std::unique_ptr<FarmJob> job);
+  void forget_film(const Job& job, const std::string& film);
+  void add(std::unique_ptr<Job> job);
   /// Notes what running() is, after that has changed.
   void list_running();
   static uint64_t frame_number(uint64_t job, uint32_t frame);
-  std::vector<FarmJob*> startable(Time now);
-  bool has_room_for(const FarmJob& job) const;
+  std::vector<Job*> startable(Time now);
+  bool has_room_for(const Job& job) const;
   /// Of a frame of a client's job; of this process's own it is not counted.
-  static uint64_t film_bytes_of(const FarmJob& job, uint32_t frame);
+  static uint64_t film_bytes_of(const Job& job, uint32_t frame);
   /// Beside the films of the frames that run.
   bool has_memory_for(uint64_t film) const;
-  void begin(FarmJob& job, uint32_t frame, Time now, Changes& changes);
+  void begin(Job& job, uint32_t frame, Time now, Changes& changes);
   /// Begins it, or throws.
-  std::unique_ptr<ActiveJob> make_active(FarmJob& job, uint32_t frame, Time now);
-  void hold(FarmJob& job, uint32_t frame, FarmJob::Hold hold);
+  std::unique_ptr<ActiveFrame> make_active(Job& job, uint32_t frame, Time now);
+  void hold(Job& job, uint32_t frame, Job::Hold hold);
   /// The frame's tiles are kept under another key from now on: this program computes otherwise than
   /// that which accepted the job.
-  void change_key(FarmJob& job, uint32_t frame, const Digest& key);
+  void change_key(Job& job, uint32_t frame, const Digest& key);
   /// Whether the film is the one that is expected. Else its tiles are traced again, once.
-  bool is_expected(FarmJob& job, uint32_t frame, v1::JobEnd& end);
+  bool is_expected(Job& job, uint32_t frame, v1::JobEnd& end);
   /// Whether another job's frames have their tiles under that key.
-  bool shares_key(const FarmJob& job, const std::string& key) const;
+  bool shares_key(const Job& job, const std::string& key) const;
   void redo_distrusted();
-  void finish(FarmJob& job, FarmJob::Running& running, Changes& changes);
+  void finish(Job& job, Job::Running& running, Changes& changes);
   /// Frames that were done and whose pictures cannot be put together any more: what is gone of
   /// their tiles or, where these make another film, all of them are traced again.
   void reopen(const Digest& film, FilmShelf::State state);
   /// The frame is to be rendered again, from the tiles that are kept, whatever film they make.
-  void reopen(FarmJob& job, uint32_t frame);
-  void file_end(FarmJob& job, uint32_t frame, v1::JobEnd end);
-  JobRules rules_for(const FarmJob& job) const;
-  TileKeeping keeping_of(const FarmJob& job) const;
-  JobSpec spec_of(FarmJob& job, uint32_t frame);
+  void reopen(Job& job, uint32_t frame);
+  /// Of a job of this process, which no store keeps.
+  void end_local(Job& job, uint32_t frame, JobResult result);
+  void file_end(Job& job, uint32_t frame, v1::JobEnd end);
+  JobRules rules_for(const Job& job) const;
+  TileKeeping keeping_of(const Job& job) const;
+  JobSpec spec_of(Job& job, uint32_t frame);
   // Of the store; each throws where they are not there, or not what they should be.
   BlobData load_blob(const std::string& hex);
   v1::Scene load_scene(const std::string& hex);
   /// What the tiles of the frame before took; null: there is none.
-  const TileCosts* earlier_costs(const FarmJob& job) const;
+  const TileCosts* earlier_costs(const Job& job) const;
 
   JobRules rules_;
   std::shared_ptr<JobStore> store_;
   std::unique_ptr<WorkerKeys> keys_ = std::make_unique<WorkerKeys>();  ///< frames point to it
-  std::map<uint64_t, std::unique_ptr<FarmJob>> jobs_;
-  std::map<uint64_t, FarmJob*> open_;  ///< those of them that have not ended
+  std::map<uint64_t, std::unique_ptr<Job>> jobs_;
+  std::map<uint64_t, Job*> open_;  ///< those of them that have not ended
   struct Need {
     int32_t priority;
     double share;
-    FarmJob* job;
+    Job* job;
   };
   // Made anew at each message, these keep their memory.
-  std::vector<ActiveJob*> running_, by_need_;
+  std::vector<ActiveFrame*> running_, by_need_;
   std::vector<Need> needs_;
   std::map<uint64_t, uint64_t> by_submission_;
   std::map<uint64_t, JobResult> results_;        ///< of jobs of this process

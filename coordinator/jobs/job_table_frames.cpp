@@ -26,7 +26,7 @@ constexpr size_t kMaxRunningUrgent = 64;
 constexpr size_t kMaxFramesOfJob = 2;
 constexpr size_t kKeptTraces = 16;
 
-void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
+void log_end(const Job& job, uint32_t frame, const v1::JobEnd& end) {
   const std::string of_it =
       job.frame_count() > 1 ? fmt::format(" frame {} of {}", frame + 1, job.frame_count()) : "";
   const std::string what = fmt::format("job {}{}", job.id(), of_it);
@@ -41,7 +41,7 @@ void log_end(const FarmJob& job, uint32_t frame, const v1::JobEnd& end) {
   }
 }
 
-void log_going_on(const FarmJob& job, Time now) {
+void log_going_on(const Job& job, Time now) {
   const JobProgress progress = job.progress(now);
   const std::string& name = job.request().name();
   spdlog::info("job {}{} goes on: {} of {} tiles are kept, {} to do", job.id(),
@@ -54,18 +54,22 @@ void log_going_on(const FarmJob& job, Time now) {
 void JobTable::list_running() {
   running_.clear();
   for (const auto& [id, job] : open_) {
-    for (FarmJob::Running& running : job->running()) running_.push_back(running.active.get());
+    for (Job::Running& running : job->running()) running_.push_back(running.active.get());
   }
 }
 
-ActiveJob* JobTable::running(uint64_t frame) {
-  for (ActiveJob* active : running()) {
+const ActiveFrame* JobTable::running(uint64_t frame) const {
+  for (const ActiveFrame* active : running_) {
     if (active->id() == frame) return active;
   }
   return nullptr;
 }
 
-const std::vector<ActiveJob*>& JobTable::by_need(Time now) {
+ActiveFrame* JobTable::running(uint64_t frame) {
+  return const_cast<ActiveFrame*>(std::as_const(*this).running(frame));
+}
+
+const std::vector<ActiveFrame*>& JobTable::by_need(Time now) {
   needs_.clear();
   for (const auto& [id, job] : open_) {
     if (job->running().empty()) continue;
@@ -79,7 +83,10 @@ const std::vector<ActiveJob*>& JobTable::by_need(Time now) {
   }
   by_need_.clear();
   for (const Need& need : needs_) {
-    for (FarmJob::Running& running : need.job->running()) by_need_.push_back(running.active.get());
+    for (Job::Running& running : need.job->running()) {
+      running.active->set_priority(need.priority);
+      by_need_.push_back(running.active.get());
+    }
   }
   return by_need_;
 }
@@ -90,18 +97,18 @@ void JobTable::account(Time now) {
   }
 }
 
-std::vector<FarmJob*> JobTable::startable(Time now) {
-  std::vector<FarmJob*> result;
+std::vector<Job*> JobTable::startable(Time now) {
+  std::vector<Job*> result;
   for (const auto& [id, job] : open_) {
     if (!job->kept().paused() && !job->held(now) && job->next_frame()) result.push_back(job);
   }
-  std::stable_sort(result.begin(), result.end(), [](const FarmJob* a, const FarmJob* b) {
+  std::stable_sort(result.begin(), result.end(), [](const Job* a, const Job* b) {
     return a->request().priority() > b->request().priority();
   });
   return result;
 }
 
-uint64_t JobTable::film_bytes_of(const FarmJob& job, uint32_t frame) {
+uint64_t JobTable::film_bytes_of(const Job& job, uint32_t frame) {
   return job.local() ? 0 : tessera::film_bytes_of(job.request(), frame);
 }
 
@@ -109,17 +116,17 @@ bool JobTable::has_memory_for(uint64_t film) const {
   // Else begin() refuses it.
   if (film > rules_.client_budget_bytes) return true;
   for (const auto& [id, job] : open_) {
-    for (const FarmJob::Running& running : job->running()) {
+    for (const Job::Running& running : job->running()) {
       film = saturating_sum(film, film_bytes_of(*job, running.frame));
     }
   }
   return film <= rules_.client_budget_bytes;
 }
 
-bool JobTable::has_room_for(const FarmJob& job) const {
+bool JobTable::has_room_for(const Job& job) const {
   if (!has_memory_for(film_bytes_of(job, *job.next_frame()))) return false;
   if (!job.running().empty()) {
-    const auto given_out = [](const FarmJob::Running& running) {
+    const auto given_out = [](const Job::Running& running) {
       return !running.active->scheduler().has_pending();
     };
     // What it would trace is being traced.
@@ -131,7 +138,7 @@ bool JobTable::has_room_for(const FarmJob& job) const {
     const std::string key = key_of(*job.next_frame());
     const bool same =
         std::any_of(job.running().begin(), job.running().end(),
-                    [&](const FarmJob::Running& running) { return key_of(running.frame) == key; });
+                    [&](const Job::Running& running) { return key_of(running.frame) == key; });
     return !same && job.running().size() < kMaxFramesOfJob &&
            std::all_of(job.running().begin(), job.running().end(), given_out);
   }
@@ -148,10 +155,10 @@ bool JobTable::has_room_for(const FarmJob& job) const {
 JobTable::Changes JobTable::advance(Time now) {
   Changes changes = std::exchange(changes_, {});
   for (auto it = open_.begin(); it != open_.end();) {
-    FarmJob& job = *it->second;
+    Job& job = *it->second;
     for (size_t i = 0; i < job.running().size();) {
-      FarmJob::Running& running = job.running()[i];
-      ActiveJob& active = *running.active;
+      Job::Running& running = job.running()[i];
+      ActiveFrame& active = *running.active;
       const auto& shortage = active.shortage();
       if (shortage && job.local()) active.fail(ExitCode::render_failed, shortage->cause);
       if (active.ended()) {
@@ -174,7 +181,7 @@ JobTable::Changes JobTable::advance(Time now) {
   }
   // What is kept of a frame may be of a key that is convicted.
   if (!distrusted_.empty()) return changes;
-  for (FarmJob* job : startable(now)) {
+  for (Job* job : startable(now)) {
     if (has_room_for(*job)) begin(*job, *job->next_frame(), now, changes);
   }
   return changes;
@@ -197,23 +204,23 @@ v1::Scene JobTable::load_scene(const std::string& hex) {
   return std::move(*scene);
 }
 
-const TileCosts* JobTable::earlier_costs(const FarmJob& job) const {
+const TileCosts* JobTable::earlier_costs(const Job& job) const {
   if (job.local()) return local_costs_ ? &*local_costs_ : nullptr;
   if (!job.running().empty()) return &job.running().back().active->scheduler().costs();
   return job.last_costs() ? &*job.last_costs() : nullptr;
 }
 
-JobRules JobTable::rules_for(const FarmJob& job) const {
+JobRules JobTable::rules_for(const Job& job) const {
   JobRules rules = rules_;
   rules.adopts = job.id() <= last_job_before_;
   return rules;
 }
 
-TileKeeping JobTable::keeping_of(const FarmJob& job) const {
+TileKeeping JobTable::keeping_of(const Job& job) const {
   return job.local() ? TileKeeping{job.local_tiles(), false} : TileKeeping{store_, true};
 }
 
-JobSpec JobTable::spec_of(FarmJob& job, uint32_t frame) {
+JobSpec JobTable::spec_of(Job& job, uint32_t frame) {
   if (job.local()) return job.take_local_spec();
   const v1::SubmitJob& request = job.request();
   const v1::JobFrame& wanted = request.frames(static_cast<int>(frame));
@@ -230,7 +237,7 @@ JobSpec JobTable::spec_of(FarmJob& job, uint32_t frame) {
   return spec;
 }
 
-void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
+void JobTable::begin(Job& job, uint32_t frame, Time now, Changes& changes) {
   // One that comes, or comes back, owes nothing to those that have been there.
   if (job.running().empty()) {
     std::optional<double> least;
@@ -242,12 +249,17 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
     job.share(now);
     if (least) job.catch_up(*least);
   }
+  const PixelRect local_crop = job.local() ? job.local_crop() : PixelRect{};
   const auto fail = [&](ExitCode code, const std::string& why) {
     JobReport report;
     report.end = JobReport::End::failed;
     report.exit_code = code;
     report.failure = why;
-    file_end(job, frame, to_message(report));
+    if (!job.local()) return file_end(job, frame, to_message(report));
+    report.holes = {local_crop};
+    JobResult result{std::move(report), Film(local_crop)};
+    result.film.mark_hole(local_crop);
+    end_local(job, frame, std::move(result));
   };
   try {
     const uint64_t film = film_bytes_of(job, frame);
@@ -279,7 +291,7 @@ void JobTable::begin(FarmJob& job, uint32_t frame, Time now, Changes& changes) {
   }
 }
 
-void JobTable::hold(FarmJob& job, uint32_t frame, FarmJob::Hold hold) {
+void JobTable::hold(Job& job, uint32_t frame, Job::Hold hold) {
   if (!job.hold() || job.hold()->cause != hold.cause) {
     spdlog::warn("job {} is held: {}", job.id(), printable(hold.cause));
   }
@@ -287,11 +299,11 @@ void JobTable::hold(FarmJob& job, uint32_t frame, FarmJob::Hold hold) {
   list_running();
 }
 
-std::unique_ptr<ActiveJob> JobTable::make_active(FarmJob& job, uint32_t frame, Time now) {
+std::unique_ptr<ActiveFrame> JobTable::make_active(Job& job, uint32_t frame, Time now) {
   const FrameName name{frame_number(job.id(), frame), job.kept().id()};
   if (job.local()) {
-    return std::make_unique<ActiveJob>(name, job.take_local_spec(), keeping_of(job), rules_for(job),
-                                       *keys_, now);
+    return std::make_unique<ActiveFrame>(name, job.take_local_spec(), keeping_of(job),
+                                         rules_for(job), *keys_, now);
   }
   if (!has_frame(job.kept(), frame)) throw render_error("what the store has of it is damaged");
   JobSpec spec = spec_of(job, frame);
@@ -301,22 +313,23 @@ std::unique_ptr<ActiveJob> JobTable::make_active(FarmJob& job, uint32_t frame, T
     expected->second.drop_tiles = false;
     expected->second.dropped = true;
   }
-  auto active = std::make_unique<ActiveJob>(name, std::move(spec), keeping_of(job), rules_for(job),
-                                            *keys_, now, job.scene_failures()[frame]);
+  auto active =
+      std::make_unique<ActiveFrame>(name, std::move(spec), keeping_of(job), rules_for(job), *keys_,
+                                    now, job.scene_failures()[frame]);
   if (active->key().hex() != job.kept().tile_keys(static_cast<int>(frame))) {
     change_key(job, frame, active->key());
   }
   return active;
 }
 
-bool JobTable::shares_key(const FarmJob& job, const std::string& key) const {
+bool JobTable::shares_key(const Job& job, const std::string& key) const {
   return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& other) {
     const auto& keys = other.second->kept().tile_keys();
     return other.second.get() != &job && std::count(keys.begin(), keys.end(), key) > 0;
   });
 }
 
-void JobTable::change_key(FarmJob& job, uint32_t frame, const Digest& key) {
+void JobTable::change_key(Job& job, uint32_t frame, const Digest& key) {
   v1::KeptJob changed = job.kept();
   const std::string before = changed.tile_keys(static_cast<int>(frame));
   changed.set_tile_keys(static_cast<int>(frame), key.hex());
@@ -330,7 +343,7 @@ void JobTable::change_key(FarmJob& job, uint32_t frame, const Digest& key) {
   store_->drop_all(Digest::from_hex(before));
 }
 
-bool JobTable::is_expected(FarmJob& job, uint32_t frame, v1::JobEnd& end) {
+bool JobTable::is_expected(Job& job, uint32_t frame, v1::JobEnd& end) {
   const auto it = job.expected_films().find(frame);
   if (it == job.expected_films().end() || end.how() != v1::JobEnd::DONE ||
       end.film_digest() == it->second.digest) {
@@ -352,7 +365,7 @@ bool JobTable::is_expected(FarmJob& job, uint32_t frame, v1::JobEnd& end) {
 
 void JobTable::worker_has_come(WorkerId worker) {
   for (const auto& [id, job] : open_) {
-    for (FarmJob::Running& running : job->running()) running.active->note_another_worker();
+    for (Job::Running& running : job->running()) running.active->note_another_worker();
     if (!job->hold() || !job->hold()->until_another_worker) continue;
     const auto& failures = job->scene_failures();
     const bool failed = std::any_of(failures.begin(), failures.end(), [&](const auto& of_frame) {
@@ -393,20 +406,17 @@ void JobTable::redo_distrusted() {
   }
 }
 
-void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes) {
+void JobTable::finish(Job& job, Job::Running& running, Changes& changes) {
   const uint64_t id = running.active->id();
   const uint32_t frame = running.frame;
   changes.ended.push_back(id);
   TileCosts costs = running.active->scheduler().costs();
   JobResult result = running.active->finish();
-  v1::JobEnd end = to_message(result.report);
   if (job.local()) {
     local_costs_ = std::move(costs);
-    job.end(frame, std::move(end));
-    list_running();
-    results_.emplace(id, std::move(result));
-    return;
+    return end_local(job, frame, std::move(result));
   }
+  v1::JobEnd end = to_message(result.report);
   traces_.emplace_back(id, std::move(result.report.trace));
   if (traces_.size() > kKeptTraces) traces_.pop_front();
   job.last_costs() = std::move(costs);
@@ -418,7 +428,13 @@ void JobTable::finish(FarmJob& job, FarmJob::Running& running, Changes& changes)
   file_end(job, frame, std::move(end));
 }
 
-void JobTable::file_end(FarmJob& job, uint32_t frame, v1::JobEnd end) {
+void JobTable::end_local(Job& job, uint32_t frame, JobResult result) {
+  job.end(frame, to_message(result.report));
+  list_running();
+  results_.emplace(frame_number(job.id(), frame), std::move(result));
+}
+
+void JobTable::file_end(Job& job, uint32_t frame, v1::JobEnd end) {
   log_end(job, frame, end);
   v1::KeptJob::End kept;
   kept.set_frame(frame);
@@ -430,7 +446,7 @@ void JobTable::file_end(FarmJob& job, uint32_t frame, v1::JobEnd end) {
 }
 
 void JobTable::keep_rest() {
-  for (ActiveJob* active : running()) {
+  for (ActiveFrame* active : running()) {
     if (active->waits_for_store()) active->keep_rest();
   }
   try {
@@ -448,15 +464,21 @@ void JobTable::keep_rest() {
 std::string JobTable::store_trouble() const {
   if (!trouble_.empty()) return trouble_;
   for (const auto& [id, job] : open_) {
-    for (const FarmJob::Running& running : job->running()) {
+    for (const Job::Running& running : job->running()) {
       if (running.active->waits_for_store()) return running.active->store_trouble();
     }
   }
   return "";
 }
 
+std::optional<JobSpec> JobTable::spec(uint64_t id, uint32_t frame) {
+  Job* const job = find(id);
+  if (!job || job->local() || frame >= job->frame_count()) return std::nullopt;
+  return spec_of(*job, frame);
+}
+
 JobTable::FoundBlob JobTable::find_blob(const Digest& digest) {
-  for (ActiveJob* active : running()) {
+  for (ActiveFrame* active : running()) {
     if (BlobData data = active->find_blob(digest)) return {std::move(data), active};
   }
   FilmShelf::State state = FilmShelf::State::sound;

@@ -53,4 +53,16 @@ PreviewImage make_preview(const Film& film, const v1::Output& output, uint64_t t
   return {width, height, film.rect(), tiles_done, to_8_bit(smaller, settings_of(output))};
 }
 
+Film light_of(const FilmView& film) {
+  Film light(film.rect);
+  const auto channels = static_cast<ptrdiff_t>(film.channels);
+  auto from = film.values.begin();
+  for (auto to = light.values().begin(); to != light.values().end();
+       to += ptrdiff_t{kFilmChannels}) {
+    std::copy_n(from, kFilmChannels, to);
+    from += channels;
+  }
+  return light;
+}
+
 }  // namespace tessera

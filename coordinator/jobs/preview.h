@@ -13,4 +13,7 @@ namespace tessera {
 PreviewImage make_preview(const Film& film, const v1::Output& output, uint64_t tiles_done,
                           int most_side);
 
+/// The light of a film, without what is beside it: a copy.
+Film light_of(const FilmView& film);
+
 }  // namespace tessera

@@ -65,10 +65,10 @@ bool FarmMonitor::watch(uint64_t job, uint32_t frame, FrameReply reply) {
   return true;
 }
 
-bool FarmMonitor::ask_trace(uint64_t job, uint32_t frame, TraceReply reply) {
+bool FarmMonitor::ask(Question question) {
   const std::scoped_lock lock(mutex_);
-  if (inbox_.traces.size() >= kMostWaiting) return false;
-  inbox_.traces.push_back({{job, frame}, std::move(reply)});
+  if (inbox_.questions.size() >= kMostWaiting) return false;
+  inbox_.questions.push_back(std::move(question));
   return true;
 }
 
@@ -89,7 +89,7 @@ bool FarmMonitor::ask_news(uint64_t known, NewsReply reply) {
 void FarmMonitor::look(Coordinator& coordinator, Time now) {
   std::vector<Order> orders;
   std::vector<FrameQuestion> questions;
-  std::optional<TraceQuestion> trace;
+  Question question;
   {
     const std::scoped_lock lock(mutex_);
     last_look_ = now;
@@ -100,9 +100,9 @@ void FarmMonitor::look(Coordinator& coordinator, Time now) {
     std::move(inbox_.orders.begin(), end, std::back_inserter(orders));
     inbox_.orders.erase(inbox_.orders.begin(), end);
     questions.swap(inbox_.frames);
-    if (!inbox_.traces.empty() && now >= next_trace_) {
-      trace = std::move(inbox_.traces.front());
-      inbox_.traces.erase(inbox_.traces.begin());
+    if (!inbox_.questions.empty() && now >= next_question_) {
+      question = std::move(inbox_.questions.front());
+      inbox_.questions.erase(inbox_.questions.begin());
     }
   }
   if (!orders.empty()) {
@@ -115,10 +115,10 @@ void FarmMonitor::look(Coordinator& coordinator, Time now) {
   show_tiles(coordinator, now);
   show_oldest_preview(coordinator, now);
   tell_watchers();
-  if (!trace) return;
+  if (!question) return;
   const Time start = thread_time();
-  trace->reply(coordinator.trace(trace->key.first, trace->key.second));
-  next_trace_ = next_after(now, thread_time() - start, Time{0});
+  question(coordinator, now);
+  next_question_ = next_after(now, thread_time() - start, Time{0});
 }
 
 // ------------------------------------------------------------------------------------- the farm

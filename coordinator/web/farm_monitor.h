@@ -11,7 +11,6 @@
 
 #include "base/monotonic.h"
 #include "coordinator/jobs/farm_snapshot.h"
-#include "job/frame_trace.h"
 #include "proto/tessera/v1/farm.pb.h"
 
 namespace tessera {
@@ -56,9 +55,9 @@ class FarmMonitor {
   using FrameReply = std::function<void(std::shared_ptr<const FrameShown>)>;
   /// Asks for a frame as it is. Each of these is false where too much waits for that already.
   bool watch(uint64_t job, uint32_t frame, FrameReply reply);
-  using TraceReply = std::function<void(std::shared_ptr<const FrameTrace>)>;
-  /// Null is replied where there is none.
-  bool ask_trace(uint64_t job, uint32_t frame, TraceReply reply);
+  /// Asks the coordinator once for what nobody watches, such as a timeline or a whole picture.
+  using Question = std::function<void(Coordinator&, Time now)>;
+  bool ask(Question question);
   using OrderReply = std::function<void(const v1::JobStatus&)>;
   bool order(v1::JobQuery query, OrderReply reply);
   using NewsReply = std::function<void(uint64_t news)>;
@@ -83,10 +82,6 @@ class FarmMonitor {
     FrameKey key;
     FrameReply reply;
   };
-  struct TraceQuestion {
-    FrameKey key;
-    TraceReply reply;
-  };
   struct Order {
     v1::JobQuery query;
     OrderReply reply;
@@ -99,7 +94,7 @@ class FarmMonitor {
   struct Inbox {
     std::vector<NewsQuestion> news;
     std::vector<FrameQuestion> frames;
-    std::vector<TraceQuestion> traces;
+    std::vector<Question> questions;
     std::vector<Order> orders;
   };
 
@@ -115,7 +110,7 @@ class FarmMonitor {
   void tell_watchers();
 
   // Of the thread of look().
-  Time next_snapshot_{}, next_sample_{}, next_preview_{}, next_trace_{}, next_orders_{};
+  Time next_snapshot_{}, next_sample_{}, next_preview_{}, next_question_{}, next_orders_{};
   Time next_news_{}, next_first_preview_{};  ///< what need not wait for its turn, but for its share
   uint64_t news_ = 0;                        ///< that was shown
   FarmSnapshot::Counters sampled_;

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "coordinator/web/farm_monitor.h"
 #include "coordinator/web/web_api.h"
-#include "coordinator/web/web_server.h"
+#include "web/web_server.h"
 
 namespace tessera {
 namespace {

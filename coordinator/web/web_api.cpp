@@ -10,11 +10,15 @@
 
 #include "base/monotonic.h"
 #include "base/process_usage.h"
+#include "coordinator/coordinator.h"
+#include "coordinator/jobs/preview.h"
 #include "coordinator/web/chrome_trace.h"
 #include "coordinator/web/farm_json.h"
+#include "coordinator/web/farm_page_files.h"
 #include "coordinator/web/png_file.h"
-#include "coordinator/web/web_pages.h"
 #include "job/job.h"
+#include "proto/wire/scene_codec.h"
+#include "renderer/film/film.h"
 
 namespace tessera {
 namespace {
@@ -32,6 +36,20 @@ HttpResponse plain(int status, std::string text) {
 
 HttpResponse json(std::shared_ptr<const std::string> body) {
   return {200, "application/json", std::move(body), {}};
+}
+
+/// Whether it is of a frame that is being traced, and no tile of it is done.
+bool has_nothing_yet(const std::vector<TileSnapshot>& tiles) {
+  return !tiles.empty() && std::none_of(tiles.begin(), tiles.end(), [](const auto& tile) {
+    return tile.state == TileSnapshot::State::done;
+  });
+}
+
+HttpResponse file(const char* type, std::string bytes) {
+  return {200,
+          type,
+          std::make_shared<const std::string>(std::move(bytes)),
+          {{"Cache-Control", "no-store"}}};
 }
 
 /// What is known already.
@@ -147,11 +165,7 @@ void WebApi::handle(const HttpRequest& request, const HttpReply& reply) {
   if (reads) {
     if (request.path == "/healthz") return tell(reply, health());
     if (request.path == "/readyz") return tell(reply, readiness());
-    if (const auto page = find_web_page(request.path)) {
-      return tell(
-          reply,
-          {200, std::string(page->type), std::make_shared<const std::string>(page->content), {}});
-    }
+    if (const auto file = find_farm_page_file(request.path)) return tell(reply, response_of(*file));
   }
   const auto needed = reads ? WebAccess::Role::viewer : WebAccess::Role::submitter;
   std::unique_lock lock(access_mutex_);
@@ -249,7 +263,8 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
   const auto id = whole<uint64_t>(rest.substr(0, slash));
   const std::string what = slash == std::string::npos ? "" : rest.substr(slash + 1);
   const bool known = what.empty() || what == "tiles" || what == "preview.png" ||
-                     what == "trace.json" || is_order(what);
+                     what == "trace.json" || what == "picture.png" || what == "scene.tesserab" ||
+                     is_order(what);
   if (!id || !known) return tell(reply, http_error(404, "there is no such thing of a job"));
   if (is_order(what) != (request.method == "POST")) {
     return tell(reply, http_error(405, is_order(what) ? "expected POST" : "expected GET"));
@@ -270,6 +285,8 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
     frame = *number;
   }
   if (what == "trace.json") return show_trace(*id, frame, reply);
+  if (what == "picture.png") return show_picture(*id, frame, reply);
+  if (what == "scene.tesserab") return show_scene(*id, frame, reply);
   show_frame(*id, frame, what, request, reply);
 }
 
@@ -305,15 +322,60 @@ HttpResponse WebApi::preview(uint64_t job, uint32_t frame, const FrameShown& sho
 }
 
 void WebApi::show_trace(uint64_t job, uint32_t frame, const HttpReply& reply) {
-  const bool asked = parts_.monitor->ask_trace(
-      job, frame, [job, frame, reply](const std::shared_ptr<const FrameTrace>& trace) {
-        reply([job, frame, trace] {
-          if (!trace) return http_error(404, "of that frame there is no timeline, or no more");
-          return json(std::make_shared<const std::string>(
-              chrome_trace(*trace, fmt::format("job {} frame {}", job, frame))));
+  const auto question = [job, frame, reply](Coordinator& coordinator, Time) {
+    reply([job, frame, trace = coordinator.trace(job, frame)] {
+      if (!trace) return http_error(404, "of that frame there is no timeline, or no more");
+      return json(std::make_shared<const std::string>(
+          chrome_trace(*trace, fmt::format("job {} frame {}", job, frame))));
+    });
+  };
+  ask(question, reply);
+}
+
+void WebApi::show_picture(uint64_t job, uint32_t frame, const HttpReply& reply) {
+  const auto question = [job, frame, reply](Coordinator& coordinator, Time now) {
+    const auto view = coordinator.film(job, frame);
+    if (!view || has_nothing_yet(coordinator.tiles(job, frame, now)))
+      return reply([] { return http_error(404, "of that frame there is no picture"); });
+    v1::JobQuery query;
+    query.set_job(job);
+    query.set_frame(frame);
+    auto film = std::make_shared<const Film>(light_of(*view));
+    reply([film, output = coordinator.ask(query, now).frame().output()] {
+      return file("image/png", png_file(make_preview(*film, output, 0, kMaxFrameSide)));
+    });
+  };
+  ask(question, reply);
+}
+
+void WebApi::show_scene(uint64_t job, uint32_t frame, const HttpReply& reply) {
+  const auto question = [job, frame, reply](Coordinator& coordinator, Time) {
+    try {
+      auto spec = coordinator.spec(job, frame);
+      if (!spec) return reply([] { return http_error(404, "there is no such frame"); });
+      uint64_t bytes = 0;
+      for (const auto& [digest, blob] : spec->blobs.all()) bytes += blob->size();
+      if (bytes > kMaxEmbeddedBlobBytes) {
+        return reply([bytes] {
+          return http_error(413, fmt::format("the scene has {} MB of meshes and textures; expected "
+                                             "at most {}, which one file holds",
+                                             bytes >> 20, kMaxEmbeddedBlobBytes >> 20));
         });
+      }
+      reply([spec = std::make_shared<const JobSpec>(std::move(*spec))] {
+        return file("application/octet-stream",
+                    encode_scene(spec->scene, spec->blobs, SceneEncoding::binary));
       });
-  if (!asked) reply([] { return http_error(503, "too many ask"); });
+    } catch (const std::exception& error) {
+      reply([why = std::string(error.what())] { return http_error(503, why); });
+    }
+  };
+  ask(question, reply);
+}
+
+void WebApi::ask(FarmMonitor::Question question, const HttpReply& reply) {
+  if (!parts_.monitor->ask(std::move(question)))
+    reply([] { return http_error(503, "too many ask"); });
 }
 
 void WebApi::order(uint64_t job, const std::string& what, const HttpRequest& request,

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "coordinator/web/farm_monitor.h"
-#include "coordinator/web/http_message.h"
-#include "coordinator/web/log_ring.h"
 #include "coordinator/web/metrics_text.h"
-#include "coordinator/web/web_access.h"
+#include "web/http_message.h"
+#include "web/log_ring.h"
+#include "web/web_access.h"
 
 namespace tessera {
 
@@ -51,6 +51,10 @@ class WebApi {
   void show_frame(uint64_t job, uint32_t frame, const std::string& what, const HttpRequest& request,
                   const HttpReply& reply);
   void show_trace(uint64_t job, uint32_t frame, const HttpReply& reply);
+  void show_picture(uint64_t job, uint32_t frame, const HttpReply& reply);
+  void show_scene(uint64_t job, uint32_t frame, const HttpReply& reply);
+  /// Replies that too many ask where the coordinator does not take the question.
+  void ask(FarmMonitor::Question question, const HttpReply& reply);
   void tell_news(const HttpRequest& request, const HttpReply& reply);
   void order(uint64_t job, const std::string& what, const HttpRequest& request,
              const HttpReply& reply);

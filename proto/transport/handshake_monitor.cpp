@@ -24,7 +24,8 @@ std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value, bool has_
       if (!has_keys) return ConnectionTrouble{kNoCoordinator, false};
       return ConnectionTrouble{"it has another key than was expected, or is no coordinator", false};
     case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
-      if (!has_keys) return ConnectionTrouble{kNoCoordinator, false};
+      // A coordinator that has no descriptor left hangs up as well, and lets in later.
+      if (!has_keys) return ConnectionTrouble{kNoCoordinator, false, 0};
       return ConnectionTrouble{
           "it hung up in the midst of the handshake: perhaps it has another "
           "key than was expected",
@@ -44,6 +45,7 @@ void HandshakeMonitor::read() {
     connected_ = seen->event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED;
     if (seen->event == ZMQ_EVENT_DISCONNECTED) continue;
     auto trouble = trouble_of(seen->event, seen->value, has_keys_);
+    if (trouble && trouble_) trouble->attempts += trouble_->attempts;
     // Who refuses may hang up before the other side has read why: what is certain stays.
     const bool is_vague = trouble && !trouble->refused;
     if (is_vague && trouble_ && trouble_->refused) continue;

@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-/// Finds out why a client's socket gets no connection. For this room alone; used by the socket's
-/// thread, and to be made again with each new socket.
+/// Finds out why a client's socket gets no connection. Internal to proto/transport; used by the
+/// socket's thread, and to be made again with each new socket.
 class HandshakeMonitor {
  public:
   HandshakeMonitor(zmq::context_t& context, zmq::socket_t& watched, bool has_keys);

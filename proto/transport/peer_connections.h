@@ -14,7 +14,7 @@
 namespace tessera {
 
 /// The connections behind a server's peers, so that those of a key can be ended: ZeroMQ itself ends
-/// no single connection. For this room alone.
+/// no single connection. Internal to proto/transport.
 class PeerConnections {
  public:
   /// A message has come from that peer.

@@ -7,8 +7,8 @@
 namespace tessera {
 
 /// What libzmq's I/O thread tells of a socket: it keeps all that was not read yet, so that this
-/// thread never waits for whoever reads. For this room alone; made and destroyed by the socket's
-/// thread, before the socket is closed, and read by one thread.
+/// thread never waits for whoever reads. Internal to proto/transport; made and destroyed by the
+/// socket's thread, before the socket is closed, and read by one thread.
 class SocketMonitor {
  public:
   struct Event {

@@ -50,8 +50,14 @@ class ServerTransport {
   virtual ~ServerTransport() = default;
   /// The control endpoint that clients can use, with the port that was really bound.
   virtual std::string endpoint() const = 0;
+  /// All of them, where a server has several.
+  virtual std::vector<std::string> endpoints() const { return {endpoint()}; }
   /// The bulk endpoint in the form of Welcome.bulk_endpoint; empty where clients need none.
   virtual std::string bulk_endpoint() const = 0;
+  /// The same for that peer, which may have come by another endpoint than others.
+  virtual std::string bulk_endpoint_for(const PeerId&) const { return bulk_endpoint(); }
+  /// Whether that peer comes over a network, where bytes are dear.
+  virtual bool comes_by_network(const PeerId&) const { return endpoint().starts_with("tcp://"); }
   /// Returns when a message may be there, wake() was called or `timeout` has passed.
   virtual void wait(std::chrono::milliseconds timeout) = 0;
   /// The next message, those of `control` first. Does not block.
@@ -71,6 +77,8 @@ class ServerTransport {
 struct ConnectionTrouble {
   std::string why;
   bool refused = false;  ///< the server said so: trying again is of no use as things are
+  /// That failed one after the other; those that were hung up on without a reason do not count.
+  int attempts = 1;
 };
 
 /// The end of a worker or client. One thread owns it; only wake() may be called from others.

@@ -60,11 +60,19 @@ class ZmqServer final : public ServerTransport {
   std::string bulk_endpoint() const override { return bulk_endpoint_; }
 
   void wait(std::chrono::milliseconds timeout) override {
-    std::array<zmq::pollitem_t, 4> items = {{{control_.handle(), 0, ZMQ_POLLIN, 0},
-                                             {bulk_.handle(), 0, ZMQ_POLLIN, 0},
-                                             {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0}}};
-    if (zap_) items[3] = {zap_->socket().handle(), 0, ZMQ_POLLIN, 0};
-    poll_sockets(std::span(items).first(zap_ ? 4 : 3), timeout);
+    std::vector<zmq::pollitem_t> items;
+    add_waited_for(items);
+    poll_sockets(items, timeout);
+    end_wait();
+  }
+  /// What wait() waits for, for who waits for more than that, and calls end_wait() then.
+  void add_waited_for(std::vector<zmq::pollitem_t>& items) {
+    items.push_back({control_.handle(), 0, ZMQ_POLLIN, 0});
+    items.push_back({bulk_.handle(), 0, ZMQ_POLLIN, 0});
+    items.push_back({nullptr, wake_.descriptor(), ZMQ_POLLIN, 0});
+    if (zap_) items.push_back({zap_->socket().handle(), 0, ZMQ_POLLIN, 0});
+  }
+  void end_wait() {
     wake_.clear();
     if (zap_) zap_->answer();
   }
@@ -161,9 +169,78 @@ class ZmqServer final : public ServerTransport {
   std::string endpoint_, bulk_endpoint_;
 };
 
-}  // namespace
+/// Several servers as one: the name of a peer has the number of its own before it.
+class JoinedServers final : public ServerTransport {
+ public:
+  explicit JoinedServers(std::vector<std::unique_ptr<ZmqServer>> servers)
+      : servers_(std::move(servers)) {}
 
-std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, ServerSecurity security) {
+  std::string endpoint() const override { return servers_.front()->endpoint(); }
+  std::vector<std::string> endpoints() const override {
+    std::vector<std::string> all;
+    for (const auto& server : servers_) all.push_back(server->endpoint());
+    return all;
+  }
+  std::string bulk_endpoint() const override { return servers_.front()->bulk_endpoint(); }
+  std::string bulk_endpoint_for(const PeerId& peer) const override {
+    return server_of(peer).bulk_endpoint();
+  }
+  bool comes_by_network(const PeerId& peer) const override {
+    return server_of(peer).comes_by_network({});
+  }
+
+  void wait(std::chrono::milliseconds timeout) override {
+    std::vector<zmq::pollitem_t> items;
+    for (const auto& server : servers_) server->add_waited_for(items);
+    poll_sockets(items, timeout);
+    for (const auto& server : servers_) server->end_wait();
+  }
+
+  std::optional<ReceivedMessage> receive() override {
+    // In turn, so that none is kept waiting by another.
+    for (size_t i = 0; i < servers_.size(); ++i) {
+      const size_t server = next_;
+      next_ = (next_ + 1) % servers_.size();
+      if (auto message = servers_[server]->receive()) {
+        message->peer = joined_name(server, message->peer);
+        return message;
+      }
+    }
+    return std::nullopt;
+  }
+
+  SendResult send(Channel channel, const PeerId& peer, MessageBytes bytes) override {
+    return server_of(peer).send(channel, peer.substr(1), std::move(bytes));
+  }
+
+  std::vector<PeerId> set_allowed(AllowList allowed) override {
+    std::vector<PeerId> ended;
+    for (size_t i = 0; i < servers_.size(); ++i) {
+      for (const PeerId& peer : servers_[i]->set_allowed(allowed))
+        ended.push_back(joined_name(i, peer));
+    }
+    return ended;
+  }
+
+  std::string address(const PeerId& peer) const override {
+    return server_of(peer).address(peer.substr(1));
+  }
+
+  void wake() override { servers_.front()->wake(); }
+
+ private:
+  static PeerId joined_name(size_t server, const PeerId& peer) {
+    return static_cast<char>(server) + peer;
+  }
+  ZmqServer& server_of(const PeerId& peer) const {
+    return *servers_.at(static_cast<size_t>(peer.at(0)));
+  }
+
+  std::vector<std::unique_ptr<ZmqServer>> servers_;
+  size_t next_ = 0;  ///< whose message is received next
+};
+
+std::unique_ptr<ZmqServer> bind_one(const std::string& endpoint, ServerSecurity security) {
   const Endpoint parsed = parse_endpoint(endpoint);
   if (!parsed.loopback() && !security.keys && !security.insecure) {
     throw usage_error(
@@ -179,6 +256,19 @@ std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, Server
   }
   check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqServer>(parsed, std::move(security));
+}
+
+}  // namespace
+
+std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint, ServerSecurity security) {
+  return bind_one(endpoint, std::move(security));
+}
+
+std::unique_ptr<ServerTransport> bind_servers(std::vector<ServerDoor> doors) {
+  std::vector<std::unique_ptr<ZmqServer>> servers;
+  for (ServerDoor& door : doors)
+    servers.push_back(bind_one(door.endpoint, std::move(door.security)));
+  return std::make_unique<JoinedServers>(std::move(servers));
 }
 
 }  // namespace tessera

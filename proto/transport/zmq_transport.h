@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "proto/transport/allow_list.h"
 #include "proto/transport/keys.h"
@@ -25,6 +26,15 @@ struct ServerSecurity {
 /// which there is something else than a socket. Its sockets' files are removed with it.
 std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint,
                                              ServerSecurity security = {});
+
+/// An endpoint of a server, and who may come there.
+struct ServerDoor {
+  std::string endpoint;
+  ServerSecurity security{};
+};
+/// The same with several endpoints; the first one is endpoint() and bulk_endpoint(). Names
+/// of peers tell by which of them they came. set_allowed() is for those that have keys.
+std::unique_ptr<ServerTransport> bind_servers(std::vector<ServerDoor> doors);
 
 /// Who a client is, and whom it talks to.
 struct ClientKeys {

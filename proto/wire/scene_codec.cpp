@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <unordered_set>
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
@@ -33,6 +34,7 @@ constexpr int kParserDepth = kMaxSceneDepth + 32;
 /// Of a path as deep as a scene may be, its last steps.
 std::string short_path(const SceneFault& fault) {
   constexpr size_t kShown = 80;
+  if (fault.path.empty()) return "the scene";
   if (fault.path.size() <= kShown) return fault.path;
   const size_t dot = fault.path.find('.', fault.path.size() - kShown);
   return "..." + fault.path.substr(dot == std::string::npos ? fault.path.size() - kShown : dot);
@@ -43,6 +45,7 @@ v1::Scene parse_text(std::string_view text, const std::string& name) {
   pb::TextFormat::ParseInfoTree places;
   pb::TextFormat::Parser parser;
   parser.RecordErrorsTo(&errors);
+  parser.AllowUnknownField(true);  // and go on: each of them is an error
   parser.WriteLocationsTo(&places);
   parser.SetRecursionLimit(kParserDepth);
   pb::io::ArrayInputStream input(text.data(), static_cast<int>(text.size()));
@@ -62,11 +65,7 @@ bool parse_binary(std::string_view bytes, v1::Scene& scene) {
   pb::io::CodedInputStream input(reinterpret_cast<const uint8_t*>(bytes.data()),
                                  static_cast<int>(bytes.size()));
   input.SetRecursionLimit(kParserDepth);
-  if (!scene.ParseFromCodedStream(&input) || !input.ConsumedEntireMessage()) return false;
-  // A field of a later version may change the picture: better no scene than another one.
-  const size_t size = scene.ByteSizeLong();
-  scene.DiscardUnknownFields();
-  return scene.ByteSizeLong() == size;
+  return scene.ParseFromCodedStream(&input) && input.ConsumedEntireMessage();
 }
 
 v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const std::string& name) {
@@ -84,7 +83,7 @@ v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const st
   v1::Scene scene;
   if (encoding == SceneEncoding::binary) {
     if (!parse_binary(text, scene))
-      throw scene_error({name}, "the bytes are no scene, a part of one, or of a later version",
+      throw scene_error({name}, "the bytes are no scene, or a part of one",
                         "a scene as `tessera convert` writes it");
   } else {
     check_scene_json(text, name);
@@ -237,25 +236,35 @@ SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding,
   return read;
 }
 
-void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs) {
+EncodedScene encode_scene_file(const std::string& path, const v1::Scene& scene,
+                               const BlobStore& blobs) {
   const auto encoding = scene_encoding_of(path);
   if (!encoding)
     throw usage_error(fmt::format(
         "{}: unknown ending; expected .tessera (text), .tesserab (binary) or .json", path));
-  const auto present = present_blobs(scene, blobs);
+  auto present = present_blobs(scene, blobs);
   uint64_t total = 0;
   for (const v1::BlobRef& ref : present) total += blobs.find(*Digest::parse(ref.digest()))->size();
   const bool embed = total <= kMaxEmbeddedBlobBytes;
-  if (!embed) {
+  if (embed) present.clear();
+  return {encode_scene(scene, blobs, *encoding, embed), std::move(present)};
+}
+
+void write_scene_file(const std::string& path, const EncodedScene& scene, const BlobStore& blobs) {
+  if (!scene.blobs_beside.empty()) {
     const std::string folder = path + ".blobs";
     std::error_code failure;
     std::filesystem::create_directories(folder, failure);
     if (failure) throw render_error(fmt::format("{}: {}", folder, failure.message()));
-    for (const v1::BlobRef& ref : present)
+    for (const v1::BlobRef& ref : scene.blobs_beside)
       write_output_file(fmt::format("{}/{}", folder, ref.digest()),
                         as_text(*blobs.find(*Digest::parse(ref.digest()))));
   }
-  write_output_file(path, encode_scene(scene, blobs, *encoding, embed));
+  write_output_file(path, scene.text);
+}
+
+void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs) {
+  write_scene_file(path, encode_scene_file(path, scene, blobs), blobs);
 }
 
 std::string serialize_scene(const v1::Scene& scene) {
@@ -267,6 +276,10 @@ std::string serialize_scene(const v1::Scene& scene) {
   scene.SerializeToCodedStream(&coded);
   coded.Trim();
   return bytes;
+}
+
+std::string scene_digest(const v1::Scene& scene) {
+  return Digest::of(serialize_scene(scene)).hex();
 }
 
 std::optional<v1::Scene> parse_scene(std::string_view bytes) {

@@ -53,9 +53,19 @@ std::string encode_scene(const v1::Scene& scene, const BlobStore& blobs, SceneEn
 /// link leads to outside of `root` is not read; empty: the folder of the file.
 SceneWithBlobs read_scene_file(const std::string& path, SceneEncoding encoding,
                                const std::filesystem::path& root = {});
-/// Writes `path` by its ending, and `PATH.blobs/DIGEST` where the blobs are too large to embed. The
-/// file appears whole or not at all. Throws usage_error for an ending that is not ours,
-/// render_error where it cannot be written.
+/// A scene as a file holds it.
+struct EncodedScene {
+  std::string text;
+  std::vector<v1::BlobRef> blobs_beside;  ///< too large to embed: files of their own
+};
+/// The scene as the file `path` holds it, by its ending. Throws usage_error for an ending that is
+/// not ours, scene_error as check_scene.
+EncodedScene encode_scene_file(const std::string& path, const v1::Scene& scene,
+                               const BlobStore& blobs);
+/// Writes `path`, and `PATH.blobs/DIGEST` for each blob beside it. Each file appears whole or not
+/// at all. Throws render_error where one cannot be written.
+void write_scene_file(const std::string& path, const EncodedScene& scene, const BlobStore& blobs);
+/// Encodes and writes.
 void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs);
 
 /// Where the text file `path` writes what `message`, an error of building its scene, begins with:
@@ -67,8 +77,10 @@ SourcePlace place_in_scene_file(const std::string& path, std::string_view messag
 /// no digest.
 std::optional<std::vector<v1::BlobRef>> referenced_blobs(const v1::Scene& scene);
 
-/// The canonical wire form: equal scenes, equal bytes; its digest names the scene.
+/// The canonical wire form: equal scenes, equal bytes.
 std::string serialize_scene(const v1::Scene& scene);
+/// The digest of that, in hexadecimal, which names the scene.
+std::string scene_digest(const v1::Scene& scene);
 /// The scene in bytes that may be hostile; nothing where they are none or check_scene would throw.
 /// Never throws.
 std::optional<v1::Scene> parse_scene(std::string_view bytes);

@@ -3,11 +3,11 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/tokenizer.h>
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/all_failures.h"
 #include "base/error.h"
 
 namespace tessera {
@@ -25,23 +25,29 @@ std::vector<std::string> value_names(const google::protobuf::EnumDescriptor& typ
 /// "one of a, b, c; did you mean 'b'?" where `written` is none of them.
 std::string one_of(const std::vector<std::string>& names, const std::string& written);
 
-/// Takes the first complaint of protobuf's text parser and says it in our words.
+/// Takes the complaints of protobuf's text parser, each unknown field and the first of what ends
+/// it, and says them in our words.
 class TextErrors : public google::protobuf::io::ErrorCollector {
  public:
   /// `text` must outlive this.
   TextErrors(std::string file, std::string_view text) : file_(std::move(file)), text_(text) {}
   void AddError(int line, int column, const std::string& message) override;
-  void AddWarning(int, int, const std::string&) override {}
-  void throw_if_any() const;
+  /// Of a field that the parser was told to skip.
+  void AddWarning(int line, int column, const std::string& message) override;
+  void throw_if_any() const { all_.throw_if_any(); }
 
  private:
+  /// The offset of the word meant, where the parser is already past it.
+  size_t place(int line, int column, const std::string& culprit) const;
+
   std::string file_;
   std::string_view text_;
-  std::optional<Error> first_;
+  AllFailures all_{kMostFaults};
+  size_t unknown_end_ = std::string_view::npos;  ///< where the name of the last unknown field ends
 };
 
-/// Throws where `text` is no JSON, is nested deeper than kMaxSceneDepth, or names a field or value
-/// that a scene does not have.
+/// Throws where `text` is no JSON, is nested deeper than kMaxSceneDepth, or names fields or values
+/// that a scene does not have: tells all of these up to the first fault of form.
 void check_scene_json(std::string_view text, const std::string& file);
 /// Where `text`, which passed check_scene_json, writes the field of `path`; else its beginning.
 SourcePlace place_in_json(const std::string& file, std::string_view text, const std::string& path);

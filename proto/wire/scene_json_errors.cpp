@@ -21,15 +21,22 @@ class SceneJson {
 
   void walk(std::string target) {
     target_ = std::move(target);
-    object(v1::Scene::descriptor(), "", 0);
-    skip_space();
-    if (at_ != text_.size()) fail("text after the scene's end", "nothing more");
+    faults_.attempt([&] {
+      object(v1::Scene::descriptor(), "", 0);
+      skip_space();
+      if (at_ != text_.size()) fail("text after the scene's end", "nothing more");
+    });
+    faults_.throw_if_any();
   }
   std::optional<size_t> target_offset() const { return target_offset_; }
 
  private:
   [[noreturn]] void fail_at(size_t at, std::string_view found, std::string_view expected) const {
     throw scene_error(place_of(file_, text_, at), found, expected);
+  }
+  /// Tells of what the rest of the text can be read beside.
+  void note(size_t at, std::string_view found, std::string_view expected) {
+    if (!faults_.has_more()) faults_.add(scene_error(place_of(file_, text_, at), found, expected));
   }
   [[noreturn]] void fail(std::string_view found, std::string_view expected) const {
     fail_at(at_, found, expected);
@@ -80,7 +87,7 @@ class SceneJson {
     double number = 0;
     const auto parsed = std::from_chars(text_.data() + start, text_.data() + at_, number);
     if (parsed.ec == std::errc::result_out_of_range)
-      fail_at(start, text_.substr(start, at_ - start), "a number that double precision can hold");
+      note(start, text_.substr(start, at_ - start), "a number that double precision can hold");
   }
 
   void value(const pb::FieldDescriptor* field, const std::string& path, int depth) {
@@ -96,12 +103,12 @@ class SceneJson {
     const std::string_view written = text_.substr(start, at_ - start);
     if (field && field->cpp_type() == pb::FieldDescriptor::CPPTYPE_BOOL && !field->is_map() &&
         written != "true" && written != "false" && written != "null")
-      fail_at(start, written, "true or false");
+      note(start, written, "true or false");
     if (!field || !field->enum_type() || text_[start] != '"') return;
     const std::string name(text_.substr(start + 1, at_ - start - 2));
     if (field->enum_type()->FindValueByName(name)) return;
     const auto names = value_names(*field->enum_type());
-    fail_at(start, fmt::format("'{}' is no value of {}", name, field->name()), one_of(names, name));
+    note(start, fmt::format("'{}' is no value of {}", name, field->name()), one_of(names, name));
   }
 
   void array(const pb::FieldDescriptor* field, const std::string& path, int depth) {
@@ -117,13 +124,14 @@ class SceneJson {
   }
 
   const pb::FieldDescriptor* field_of(const pb::Descriptor* type, const std::string& key,
-                                      size_t at) const {
+                                      size_t at) {
     if (!type) return nullptr;
     if (const auto* field = type->FindFieldByName(key)) return field;
     for (int i = 0; i < type->field_count(); ++i)
       if (type->field(i)->json_name() == key) return type->field(i);
     const auto names = field_names(*type);
-    fail_at(at, fmt::format("'{}' is no field of {}", key, type->name()), one_of(names, key));
+    note(at, fmt::format("'{}' is no field of {}", key, type->name()), one_of(names, key));
+    return nullptr;
   }
 
   void object(const pb::Descriptor* type, const std::string& path, int depth) {
@@ -145,6 +153,7 @@ class SceneJson {
   const std::string& file_;
   std::string target_;
   std::optional<size_t> target_offset_;
+  AllFailures faults_{kMostFaults};
   size_t at_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/scene_codec.h"
@@ -10,6 +11,10 @@ namespace tessera {
 namespace {
 
 namespace pb = google::protobuf;
+
+/// How the parser's warnings of what no scene has begin.
+constexpr std::string_view kUnknownField = "Message type";
+constexpr std::string_view kUnknownExtension = "Ignoring extension";
 
 /// The parts of `message` in double quotes.
 std::vector<std::string> quoted_parts(const std::string& message) {
@@ -64,7 +69,7 @@ Complaint expectation(const std::string& message) {
 
 Complaint reword(const std::string& message) {
   const auto quoted = quoted_parts(message);
-  if (message.starts_with("Message type") && quoted.size() == 2) {
+  if (message.starts_with(kUnknownField) && quoted.size() == 2) {
     const auto* type = v1::Scene::descriptor()->file()->pool()->FindMessageTypeByName(quoted[0]);
     const auto names = type ? field_names(*type) : std::vector<std::string>{};
     const size_t dot = quoted[0].rfind('.');
@@ -84,8 +89,11 @@ Complaint reword(const std::string& message) {
     return {fmt::format("'{}' a second time", quoted[0]), "it once", quoted[0]};
   if (message.starts_with("Invalid value for boolean") && quoted.size() == 2)
     return {fmt::format("'{}'", quoted[1]), "true or false", quoted[1]};
-  if (message.starts_with("Extension") || message.starts_with("Ext "))
+  if (message.starts_with("Extension") || message.starts_with(kUnknownExtension))
     return {"'['", "a field's name", "["};
+  // "Invalid float number: X" and "Cannot skip field value, unexpected token: X"
+  if (message.starts_with("Invalid float") || message.starts_with("Cannot skip"))
+    return {fmt::format("'{}'", message.substr(message.find(": ") + 2)), "a value", ""};
   if (message.starts_with("Message is too deep"))
     return {"messages nested too deep", fmt::format("at most {} levels", kMaxSceneDepth), ""};
   if (message.starts_with("Expected ")) return expectation(message);
@@ -130,23 +138,43 @@ std::string one_of(const std::vector<std::string>& names, const std::string& wri
   return fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(written, names));
 }
 
-void TextErrors::AddError(int line, int column, const std::string& message) {
-  if (first_) return;
-  if (line < 0) {
-    first_ = scene_error({file_}, message, "a scene in text format");
-    return;
+size_t TextErrors::place(int line, int column, const std::string& culprit) const {
+  const size_t at = offset_of(text_, line, column);
+  if (culprit.empty()) return at;
+  const auto is_of_word = [this](size_t i) {
+    return i < text_.size() &&
+           (std::isalnum(static_cast<unsigned char>(text_[i])) || text_[i] == '_');
+  };
+  for (size_t found = text_.rfind(culprit, at); found != text_.npos;
+       found = found == 0 ? text_.npos : text_.rfind(culprit, found - 1)) {
+    // Not the beginning of another word.
+    const size_t end = found + culprit.size();
+    if (!is_of_word(end - 1) || !is_of_word(end)) return found;
   }
-  size_t at = offset_of(text_, line, column);
-  const Complaint complaint = reword(message);
-  if (!complaint.culprit.empty()) {
-    const size_t culprit = text_.rfind(complaint.culprit, at);
-    if (culprit != std::string_view::npos) at = culprit;
-  }
-  first_ = scene_error(place_of(file_, text_, at), complaint.found, complaint.expected);
+  return at;
 }
 
-void TextErrors::throw_if_any() const {
-  if (first_) throw Error(*first_);
+void TextErrors::AddError(int line, int column, const std::string& message) {
+  if (all_.has_more()) return;
+  if (line < 0) return all_.add(scene_error({file_}, message, "a scene in text format"));
+  const Complaint complaint = reword(message);
+  const size_t at = place(line, column, complaint.culprit);
+  // That an unknown field has no value is no fault of its own: its name may be half typed.
+  const bool is_of_unknown =
+      unknown_end_ <= at &&
+      text_.substr(unknown_end_, at - unknown_end_).find_first_not_of(": \t\r\n") == text_.npos;
+  if (is_of_unknown) return;
+  all_.add(scene_error(place_of(file_, text_, at), complaint.found, complaint.expected));
+}
+
+void TextErrors::AddWarning(int line, int column, const std::string& message) {
+  const bool is_of_unknown =
+      message.starts_with(kUnknownField) || message.starts_with(kUnknownExtension);
+  if (all_.has_more() || !is_of_unknown) return;
+  unknown_end_ = std::string_view::npos;
+  AddError(line, column, message);
+  const Complaint complaint = reword(message);
+  unknown_end_ = place(line, column, complaint.culprit) + complaint.culprit.size();
 }
 
 }  // namespace tessera

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_set>
 #include <vector>
 
 #include "base/cancellation.h"
+#include "base/file.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/scene_errors.h"
 
@@ -17,6 +19,48 @@ namespace {
 namespace pb = google::protobuf;
 using pb::FieldDescriptor;
 using Places = pb::TextFormat::ParseInfoTree;
+
+using Fields = std::vector<const FieldDescriptor*>;
+using FieldsOfTypes = std::unordered_map<const pb::Descriptor*, Fields>;
+
+/// The types of all messages that a scene may hold.
+std::vector<const pb::Descriptor*> types_in_scenes() {
+  std::vector<const pb::Descriptor*> types{v1::Scene::descriptor()};
+  for (size_t i = 0; i < types.size(); ++i) {
+    for (int k = 0; k < types[i]->field_count(); ++k) {
+      const pb::Descriptor* inner = types[i]->field(k)->message_type();
+      if (inner && std::ranges::find(types, inner) == types.end()) types.push_back(inner);
+    }
+  }
+  return types;
+}
+
+/// Of each of these types the fields that are wanted, by their numbers.
+FieldsOfTypes fields_where(const std::function<bool(const FieldDescriptor&)>& is_wanted) {
+  FieldsOfTypes fields;
+  for (const pb::Descriptor* type : types_in_scenes()) {
+    Fields& wanted = fields[type];
+    for (int k = 0; k < type->field_count(); ++k)
+      if (is_wanted(*type->field(k))) wanted.push_back(type->field(k));
+    std::ranges::sort(wanted, {}, &FieldDescriptor::number);
+  }
+  return fields;
+}
+
+/// How many values or messages of the field `message` has. A number that is not set is 0, and an
+/// enumeration's value its first: one.
+int count_of(const pb::Message& message, const FieldDescriptor& field) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  if (field.is_repeated()) return reflection.FieldSize(message, &field);
+  return field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE ||
+         reflection.HasField(message, &field);
+}
+
+const pb::Message& message_in(const pb::Message& message, const FieldDescriptor& field, int index) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  return field.is_repeated() ? reflection.GetRepeatedMessage(message, &field, index)
+                             : reflection.GetMessage(message, &field);
+}
 
 double number(const pb::Message& message, const FieldDescriptor& field, int index) {
   const pb::Reflection& reflection = *message.GetReflection();
@@ -33,6 +77,12 @@ int enum_number(const pb::Message& message, const FieldDescriptor& field, int in
                              : reflection.GetEnumValue(message, &field);
 }
 
+std::string text(const pb::Message& message, const FieldDescriptor& field, int index) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  return field.is_repeated() ? reflection.GetRepeatedString(message, &field, index)
+                             : reflection.GetString(message, &field);
+}
+
 std::string step(const FieldDescriptor& field, int index) {
   return field.is_repeated() ? fmt::format("{}[{}]", field.name(), index) : field.name();
 }
@@ -47,43 +97,43 @@ std::optional<SceneFault> fault_of_value(const pb::Message& message, const Field
     return SceneFault{fmt::format("is {}", value), one_of(value_names(*field.enum_type()), ""),
                       step(field, index)};
   }
+  if (field.type() == FieldDescriptor::TYPE_STRING) {
+    if (find_invalid_utf8(text(message, field, index)) == std::string_view::npos)
+      return std::nullopt;
+    return SceneFault{"is not UTF-8", "text", step(field, index)};
+  }
   if (std::isfinite(number(message, field, index))) return std::nullopt;
   return SceneFault{"is not finite", "a finite number", step(field, index)};
 }
 
 bool may_be_faulty(const FieldDescriptor& field) {
   const auto type = field.cpp_type();
-  return !field.is_map() &&
-         (type == FieldDescriptor::CPPTYPE_MESSAGE || type == FieldDescriptor::CPPTYPE_DOUBLE ||
-          type == FieldDescriptor::CPPTYPE_FLOAT || type == FieldDescriptor::CPPTYPE_ENUM);
-}
-
-void end_if_cancelled() {
-  const std::atomic<bool>* const cancelled = Cancellation::current();
-  if (cancelled && *cancelled) throw WorkCancelled{};
+  return type == FieldDescriptor::CPPTYPE_MESSAGE || type == FieldDescriptor::CPPTYPE_DOUBLE ||
+         type == FieldDescriptor::CPPTYPE_FLOAT || type == FieldDescriptor::CPPTYPE_ENUM ||
+         field.type() == FieldDescriptor::TYPE_STRING;
 }
 
 /// `depth` is the number of messages that `message` lies in.
 std::optional<SceneFault> fault_in(const pb::Message& message, Places* places, int depth) {
-  end_if_cancelled();
-  const pb::Reflection& reflection = *message.GetReflection();
-  std::vector<const FieldDescriptor*> fields;
-  reflection.ListFields(message, &fields);
-  for (const FieldDescriptor* field : fields) {
-    if (!may_be_faulty(*field)) continue;
-    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+  Cancellation::check();
+  // It might change the picture: better no scene than another one.
+  const pb::UnknownFieldSet& unknown = message.GetReflection()->GetUnknownFields(message);
+  if (!unknown.empty()) {
+    return SceneFault{fmt::format("has a field {}", unknown.field(0).number()),
+                      "none of a later version", ""};
+  }
+  static const FieldsOfTypes checked = fields_where(may_be_faulty);
+  for (const FieldDescriptor* field : checked.at(message.GetDescriptor())) {
+    const int count = count_of(message, *field);
     for (int i = 0; i < count; ++i) {
       const int position = field->is_repeated() ? i : -1;
       std::optional<SceneFault> fault;
       if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
         fault = fault_of_value(message, *field, i);
       } else if (depth < kMaxSceneDepth) {
-        const pb::Message& inner = field->is_repeated()
-                                       ? reflection.GetRepeatedMessage(message, field, i)
-                                       : reflection.GetMessage(message, field);
-        fault = fault_in(inner, places ? places->GetTreeForNested(field, position) : nullptr,
-                         depth + 1);
-        if (fault) fault->path = step(*field, i) + "." + fault->path;
+        fault = fault_in(message_in(message, *field, i),
+                         places ? places->GetTreeForNested(field, position) : nullptr, depth + 1);
+        if (fault) fault->path = step(*field, i) + (fault->path.empty() ? "" : "." + fault->path);
       } else {
         fault = SceneFault{"is nested too deep", fmt::format("at most {} levels", kMaxSceneDepth),
                            step(*field, i)};
@@ -100,44 +150,49 @@ std::optional<SceneFault> fault_in(const pb::Message& message, Places* places, i
   return std::nullopt;
 }
 
-void collect_blobs(const v1::BlobRef& ref, std::unordered_set<std::string>& seen,
-                   std::vector<v1::BlobRef>& out) {
-  if (!ref.digest().empty() && seen.insert(ref.digest()).second) out.push_back(ref);
-}
-
-void collect_blobs(const pb::Message& message, std::unordered_set<std::string>& seen,
-                   std::vector<v1::BlobRef>& out) {
-  end_if_cancelled();
-  const pb::Reflection& reflection = *message.GetReflection();
-  std::vector<const FieldDescriptor*> fields;
-  reflection.ListFields(message, &fields);
-  for (const FieldDescriptor* field : fields) {
-    if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE || field->is_map()) continue;
-    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
-    for (int i = 0; i < count; ++i) {
-      const pb::Message& inner = field->is_repeated()
-                                     ? reflection.GetRepeatedMessage(message, field, i)
-                                     : reflection.GetMessage(message, field);
-      if (inner.GetDescriptor() == v1::BlobRef::descriptor())
-        collect_blobs(static_cast<const v1::BlobRef&>(inner), seen, out);
-      else
-        collect_blobs(inner, seen, out);
-    }
-  }
-}
-
 }  // namespace
 
 std::optional<SceneFault> find_fault(const v1::Scene& scene, Places* places) {
   return fault_in(scene, places, 0);
 }
 
+MessageFinder::MessageFinder(const pb::Descriptor* wanted) : wanted_(wanted) {
+  std::unordered_set<const pb::Descriptor*> leads;  // types that may hold a wanted one
+  const auto leads_on = [&](const FieldDescriptor& field) {
+    const pb::Descriptor* inner = field.message_type();
+    return inner && (inner == wanted || leads.contains(inner));
+  };
+  for (size_t before = 1; before != leads.size();) {
+    before = leads.size();
+    for (const auto& [type, fields] : fields_where(leads_on))
+      if (!fields.empty()) leads.insert(type);
+  }
+  fields_ = fields_where(leads_on);
+}
+
+bool MessageFinder::any(const pb::Message& message,
+                        const std::function<bool(const pb::Message&)>& visit) const {
+  Cancellation::check();
+  if (message.GetDescriptor() == wanted_ && visit(message)) return true;
+  for (const FieldDescriptor* field : fields_.at(message.GetDescriptor())) {
+    const int count = count_of(message, *field);
+    for (int i = 0; i < count; ++i)
+      if (any(message_in(message, *field, i), visit)) return true;
+  }
+  return false;
+}
+
 std::optional<std::vector<v1::BlobRef>> referenced_blobs(const v1::Scene& scene) {
+  static const MessageFinder finder(v1::BlobRef::descriptor());
   std::unordered_set<std::string> seen;
   std::vector<v1::BlobRef> refs;
-  collect_blobs(scene, seen, refs);
-  for (const v1::BlobRef& ref : refs)
-    if (!Digest::parse(ref.digest())) return std::nullopt;
+  const bool has_bad = finder.any(scene, [&](const pb::Message& message) {
+    const auto& ref = static_cast<const v1::BlobRef&>(message);
+    if (ref.digest().empty() || !seen.insert(ref.digest()).second) return false;
+    refs.push_back(ref);
+    return !Digest::parse(ref.digest());
+  });
+  if (has_bad) return std::nullopt;
   return refs;
 }
 

@@ -2,8 +2,11 @@
 
 #include <google/protobuf/text_format.h>
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <unordered_map>
+#include <vector>
 
 #include "proto/tessera/v1/scene.pb.h"
 
@@ -17,8 +20,27 @@ struct SceneFault {
 };
 
 /// The first number in `scene` that is infinite or not a number, number of an enumeration that has
-/// no such value, or message more than kMaxSceneDepth deep. `places` may be null.
+/// no such value, field that this version does not know, or message more than kMaxSceneDepth deep.
+/// `places` may be null.
 std::optional<SceneFault> find_fault(const v1::Scene& scene,
                                      google::protobuf::TextFormat::ParseInfoTree* places);
+
+/// Finds the messages of one type in scenes: looks into those fields alone that may hold one, which
+/// the constructor works out from scene.proto. Any number of threads may use it at once.
+class MessageFinder {
+ public:
+  explicit MessageFinder(const google::protobuf::Descriptor* wanted);
+
+  /// Calls visit(message) for each in `message`, one before those that lie in it, until a call
+  /// returns true. Whether one did. Throws WorkCancelled where this thread's work is.
+  bool any(const google::protobuf::Message& message,
+           const std::function<bool(const google::protobuf::Message&)>& visit) const;
+
+ private:
+  const google::protobuf::Descriptor* wanted_;
+  std::unordered_map<const google::protobuf::Descriptor*,
+                     std::vector<const google::protobuf::FieldDescriptor*>>
+      fields_;
+};
 
 }  // namespace tessera

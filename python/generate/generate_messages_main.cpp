@@ -16,7 +16,7 @@ from typing import (TYPE_CHECKING, Dict, Iterable, List, Literal, Mapping, NoRet
 
 from ._shape_methods import ShapeMethods
 from ._types import (Accelerator, ArrayLike, ColorInputLike, ColorLike, FloatInputLike, Integrator,
-                     NodeLike, VectorLike)
+                     NodeLike, TextureLike, VectorLike)
 from ._value import Value, here, refuse_keywords, several
 
 if TYPE_CHECKING:

@@ -108,6 +108,7 @@ std::string element_type(const pb::FieldDescriptor& field) {
       const std::string name = short_name(field.full_name());
       if (kWords.contains(name)) return kWords.at(name);
       const std::string named = type_named_by(name);
+      if (named == "Texture") return "TextureLike";
       return named.empty() ? "str" : fmt::format("Union[str, {}]", named);
     }
     case pb::FieldDescriptor::CPPTYPE_MESSAGE: {
@@ -311,7 +312,11 @@ std::string constructor(const PythonClass& made) {
     }
   }
   if (is_shape) {
-    body += "        if material is not None:\n            self.materials = [material]\n";
+    body += R"(        if material is not None:
+            if self.materials:
+                raise TypeError("material beside materials; expected one of them")
+            self.materials = [material]
+)";
   }
   return "    def __init__(" + arguments + ") -> None:\n" + body;
 }

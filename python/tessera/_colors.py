@@ -2,10 +2,12 @@
 from __future__ import annotations
 
 import colorsys
+import math
 from typing import Any, NamedTuple
 
 from . import _core
 from ._core import Vec
+from ._options import number
 from ._types import ColorLike
 from ._value import nearest
 from .errors import SceneError
@@ -55,14 +57,23 @@ def color(given: ColorLike) -> Color:
     if isinstance(given, str):
         return _from_text(given)
     numbers: Any = given
-    if not hasattr(numbers, "__iter__"):
-        return Color(*3 * (float(numbers),))
-    r, g, b = (float(c) for c in numbers)
+    try:
+        if hasattr(numbers, "__float__") and not hasattr(numbers, "__iter__"):
+            return Color(*3 * (float(numbers),))
+        r, g, b = (float(c) for c in (() if isinstance(numbers, bytes) else numbers))
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"color: {given!r:.100}; expected a name, '#rrggbb', three numbers or one") from None
     return Color(r, g, b)
 
 
 def hsl(hue: float, saturation: float, lightness: float) -> Color:
-    """The colour of a hue in degrees, a saturation and a lightness from 0 to 1, decoded from sRGB."""
+    """The colour of a hue in degrees, a saturation and a lightness from 0 to 1, decoded from sRGB.
+    Raises ValueError for others."""
+    for name, share in (("saturation", saturation), ("lightness", lightness)):
+        if not 0 <= number(name, share) <= 1:
+            raise ValueError(f"{name}: {share}; expected a number from 0 to 1")
+    if not math.isfinite(number("hue", hue)):
+        raise ValueError(f"hue: {hue}; expected a finite number of degrees")
     return Color(*map(_core.srgb_to_linear, colorsys.hls_to_rgb(hue / 360 % 1, lightness, saturation)))
 
 

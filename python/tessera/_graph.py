@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any, List, Optional, Sequence, TypeVar, Union
 from . import _core, _messages
 from ._messages import Object
 from ._array import as_ndarray
+from ._nodes import Node
 from ._types import PartsLike, TransformsLike
 from ._value import Value, here, several, with_article
+from .errors import nesting_ends
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,7 +42,7 @@ class Instances(Value):
         else:
             self.object = to_object(object, material)
         self.transforms = transforms  # type: ignore[assignment]
-        self.names = None if names is None else [str(name) for name in names]
+        self.names = None if names is None else [str(name) for name in several(names, "names")]
         if self.names is not None and len(self.names) != len(self):
             raise ValueError(f"names: {len(self.names)}; expected {len(self)}, one an instance")
 
@@ -72,17 +74,24 @@ class Instances(Value):
 def to_object(things: Union[str, PartsLike],
               material: Optional[Union[str, _messages.Material]] = None) -> Object:
     """An object without a name, which gets one by its digest, of shapes and nodes."""
-    return Object(nodes=[with_material(thing, material) for thing in flat(things)])
+    parts = (with_material(thing, material) for thing in flat(things))
+    return Object(nodes=[Node(children=part.nodes) if isinstance(part, _messages.Scene) else part
+                         for part in parts])
 
 
 def flat(things: Any) -> List[Any]:
     """The shapes, lights, nodes and the like in sequences inside sequences."""
+    with nesting_ends(things, "nodes"):
+        return _leaves(things)
+
+
+def _leaves(things: Any) -> List[Any]:
     if isinstance(things, Value):
         return [things]
     if isinstance(things, str) or not hasattr(things, "__iter__"):
         raise TypeError(f"{with_article(things)}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")
-    return [leaf for thing in several(things, "nodes") for leaf in flat(thing)]
+    return [leaf for thing in several(things, "nodes") for leaf in _leaves(thing)]
 
 
 def with_material(thing: T, material: Optional[Union[str, _messages.Material]]) -> T:

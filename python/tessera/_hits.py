@@ -23,9 +23,12 @@ _ATTRIBUTES = {"point": (3, "f8"), "point_error": (3, "f8"), "normal": (3, "f8")
 
 
 def frozen(array: A) -> A:
-    """The array, to which nobody can write now."""
-    array.flags.writeable = False
-    return array
+    """A read-only view of an array of ours, which cannot be made writable again."""
+    memory: Any = array
+    while hasattr(memory, "flags"):
+        memory.flags.writeable = False
+        memory = memory.base
+    return array.view()
 
 
 class Located:
@@ -48,8 +51,8 @@ class Located:
     def _per_hit(self) -> Tuple[Rows, Rows]:
         """The ray of each hit."""
         if self._rays is None:
-            self._flat()  # which tells what is missing
-        assert self._rays is not None
+            raise UsageError(f"fields: {', '.join(self._arrays)}; expected all, as without fields=, for what lies "
+                             "at the hits")
         return self._rays
 
     def _flat(self) -> Tuple[Doubles, Numbers, Numbers, Doubles]:
@@ -73,52 +76,52 @@ class Located:
 
     @property
     def t(self) -> Doubles:
-        """Lengths of the direction; infinite: no hit."""
+        """Lengths of the direction, float64; infinite: no hit."""
         return self._field("t")
 
     @property
     def instance(self) -> Numbers:
-        """Numbers into `tracer.instances`; 0xFFFFFFFF: no hit."""
+        """Numbers into `tracer.instances`, uint32; 0xFFFFFFFF: no hit."""
         return self._field("instance")
 
     @property
     def primitive(self) -> Numbers:
-        """Of a mesh the row of its triangles; 0xFFFFFFFF: no hit."""
+        """Of a mesh the row of its triangles, uint32; 0xFFFFFFFF: no hit."""
         return self._field("primitive")
 
     @property
     def uv(self) -> Doubles:
-        """Weights of a triangle's vertices 1 and 2."""
+        """Weights of a triangle's vertices 1 and 2, float64 (..., 2); 0: no hit."""
         return self._field("uv")
 
     @property
     def point(self) -> Doubles:
-        """Where the surface was hit."""
+        """Where the surface was hit: metres on the axes of the world, float64 (..., 3); NaN: no hit."""
         return self._attribute("point")
 
     @property
     def point_error(self) -> Doubles:
-        """A bound on the error of `point` on each axis."""
+        """A bound on the error of `point` on each axis, in metres, float64 (..., 3); NaN: no hit."""
         return self._attribute("point_error")
 
     @property
     def normal(self) -> Doubles:
-        """Unit normals of the surface's front."""
+        """Unit normals of the surface's front on the axes of the world, float64 (..., 3); NaN: no hit."""
         return self._attribute("normal")
 
     @property
     def shading_normal(self) -> Doubles:
-        """Unit normals, smoothed by those of vertices."""
+        """Unit normals, smoothed by those of vertices, float64 (..., 3); NaN: no hit."""
         return self._attribute("shading_normal")
 
     @property
     def texcoord(self) -> Doubles:
-        """Texture coordinates."""
+        """Texture coordinates, float64 (..., 2); NaN: no hit."""
         return self._attribute("texcoord")
 
     @property
     def material(self) -> Numbers:
-        """Numbers into `tracer.materials`; 0xFFFFFFFF: no hit."""
+        """Numbers into `tracer.materials`, uint32; 0xFFFFFFFF: no hit."""
         return self._attribute("material")
 
     def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
@@ -128,9 +131,12 @@ class Located:
 
     def __reduce__(self) -> Tuple[Any, ...]:
         """Without the tracer, and so without its scene: with all that it could tell of the hits."""
+        import numpy as np
         known = {} if self._rays is None else {name: self._attribute(name) for name in _ATTRIBUTES}
         state = {name: getattr(self, name) for name in self._slots()}
-        state.update(_tracer=_Names(self._tracer.instances), _known=known)
+        # What was given once for all rays is a row for each here: a view without a step is no buffer.
+        rays = None if self._rays is None else tuple(map(np.ascontiguousarray, self._rays))
+        state.update(_tracer=_Names(self._tracer.instances), _known=known, _rays=rays)
         return _unpickled, (type(self), state)
 
     def __copy__(self: F) -> F:
@@ -153,7 +159,9 @@ class _Names(NamedTuple):
 def _unpickled(made: Type[F], state: Dict[str, Any]) -> F:
     hits = made.__new__(made)
     for name, value in state.items():
-        setattr(hits, name, value)
+        setattr(hits, name, frozen(value) if hasattr(value, "flags") else value)
+    for arrays in (hits._arrays, hits._known):
+        arrays.update({name: frozen(array) for name, array in arrays.items()})
     return hits
 
 
@@ -203,11 +211,18 @@ class Hits(Located):
                     {name: of(array) for name, array in self._arrays.items()}, shape,
                     {name: of(array) for name, array in self._known.items()})
 
+    def _tells_hits(self) -> bool:
+        return any(name in self._arrays for name in ("t", "instance", "primitive"))
+
     def __repr__(self) -> str:
+        if not self._tells_hits():
+            return f"<Hits {self._shape}>"
         return f"<Hits {self._shape}: {int(self.hit.sum())} hit>"
 
     def _repr_html_(self) -> str:
-        rows: Dict[str, float] = {"rays": self.hit.size, "hit": int(self.hit.sum())}
+        rows: Dict[str, float] = {"rays": math.prod(self._shape)}
+        if self._tells_hits():
+            rows["hit"] = int(self.hit.sum())
         if "t" in self._arrays and rows["hit"]:
             rows["nearest"], rows["farthest"] = self.t.min(), self.t[self.hit].max()
         return table(rows)

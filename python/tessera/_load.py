@@ -2,21 +2,25 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 import warnings
 from typing import Any, Dict, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _core
-from ._options import option_texts, whole
+from ._options import frame_number, option_texts
+from ._places import located_errors
 from ._types import Path, X3dColor, X3dShadows, X3dTexture
-from ._value import level_of_caller, refuse_unknown
-from .errors import SceneWarning
+from ._value import level_of_caller, refuse_unknown, with_article
+from .errors import (Error, SceneError, SceneWarning, UsageError, nesting_ends,
+                     scene_error)
 from .rendering import checked_scene
 from .scene import Scene
 
 
 def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
-         place: Union[str, Sequence[str]] = (), x3d_color: Optional[X3dColor] = None,
+         place: Union[str, Sequence[str]] = (), strict: bool = False, x3d_color: Optional[X3dColor] = None,
          x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
          x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
          **unknown: NoReturn) -> Scene:
@@ -27,20 +31,25 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
     :param assets: the folder that holds all files which the scene names.
     :param frame: of an animation that has a script.
     :param place: "FILE:at=X,Y,Z:rotate=X,Y,Z:scale=S:mirror=AXES", other scenes placed into this one.
+    :param strict: a picture or an Inline that is missing is an error, also called `x3d_strict`.
     :param x3d_color: how the numbers of X3D's colours are meant.
     :param x3d_shadows: which of X3D's lights cast shadows.
     :param x3d_texture: whether a coloured texture replaces the material's colour or multiplies it.
     :param x3d_weld: points this near share the normals that are made.
-    :param x3d_strict: a picture or an Inline that is missing is an error.
+    :param x3d_strict: the same as `strict`, as the option is called.
     :param x3d_two_sided: shows back faces, which files that leave `solid` out hide.
     """
+    x3d_strict = x3d_strict or strict
     options = {name: value for name, value in locals().items()
-               if name not in ("path", "frame", "unknown")}
+               if name not in ("path", "frame", "strict", "unknown")}
     if unknown:
-        refuse_unknown("load", unknown, ["path", "frame", *options])
-    name = checked_scene(os.fspath(path))
+        refuse_unknown("load", unknown, ["path", "frame", "strict", *options])
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"path: {path!r:.100}; expected the path of a file")
+    name = checked_scene(os.fspath(path), "path")
     assert isinstance(name, str)
-    scene, told = _core.load(name, option_texts(options), whole("frame", frame))
+    with located_errors(name):
+        scene, told = _core.load(name, option_texts(options), frame_number("frame", frame))
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
     return scene
@@ -50,26 +59,45 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
     """The scene of a dict in protobuf's JSON mapping, as `Scene.to_dict` makes it. Arrays may stand
     where it has references to blobs.
     """
+    if not isinstance(description, Mapping):
+        raise TypeError(f"description: {description!r:.100}; expected a dict")
     arrays: Dict[str, Any] = {}
-    scene = _core.from_json(json.dumps(_without_arrays(description, arrays, "")), arrays)
-    return scene
+    with nesting_ends(description, "description"):
+        try:
+            text = json.dumps(_without_arrays(description, arrays, ""))
+        except ValueError as error:
+            if isinstance(error, Error):
+                raise
+            # Python prints no number of more than some thousand digits.
+            raise UsageError("description: a whole number of too many digits; expected a smaller one") from error
+    return _core.from_json(text, arrays)
 
 
-def _without_arrays(part: Any, arrays: Dict[str, Any], field: str) -> Any:
+def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:
     """A copy in which references stand for arrays, which are put into `arrays`."""
     if isinstance(part, Mapping):
-        return {key: _without_arrays(value, arrays, key) for key, value in part.items()}
+        for key in part:
+            if not isinstance(key, str):
+                raise _wrong(path, f"the key {key!r:.100}", "text")
+        return {key: _without_arrays(value, arrays, key, f"{path}.{key}" if path else key)
+                for key, value in part.items()}
     if isinstance(part, (list, tuple)):
-        return [_without_arrays(value, arrays, field) for value in part]
-    if field in _ARRAYS and not isinstance(part, (str, int, float)):
-        array = _core.take_array(part, _ARRAYS[field])
+        return [_without_arrays(value, arrays, field, f"{path}[{i}]") for i, value in enumerate(part)]
+    name = re.sub("([A-Z])", r"_\1", field).lower()  # JSON has both "faceMaterials" and "face_materials"
+    if name in _core.array_fields and not isinstance(part, (str, int, float)):
+        array = _core.take_array(part, name)
         digest = _core.blob_digest(array)
         arrays[digest] = array
         size = memoryview(array).nbytes  # type: ignore[arg-type]
         return {"digest": digest, "size": str(size)}
-    return part.item() if hasattr(part, "item") else part
+    if hasattr(part, "tolist"):  # numbers of numpy
+        return _without_arrays(part.tolist(), arrays, field, path)
+    if isinstance(part, float) and not math.isfinite(part):
+        raise _wrong(path, repr(part), "a finite number")
+    if not (part is None or isinstance(part, (str, int, float))):
+        raise _wrong(path, with_article(part), "a number, text, a list or a dict")
+    return part
 
 
-_ARRAYS = {"positions": "positions", "triangles": "triangles", "normals": "normals", "uvs": "uvs",
-           "colors": "colors", "faceMaterials": "face_materials", "face_materials": "face_materials",
-           "texels": "texels"}
+def _wrong(path: str, found: str, expected: str) -> SceneError:
+    return scene_error(found, expected, path or "description", None)

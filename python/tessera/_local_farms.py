@@ -8,8 +8,9 @@ import weakref
 from typing import NoReturn, Optional, SupportsIndex, TypeVar, Union
 
 from . import _core
-from ._options import whole
+from ._options import fraction_text, whole
 from ._program import program
+from ._value import tells_unknown
 from .errors import UsageError
 
 F = TypeVar("F", bound="BaseFarm")
@@ -22,6 +23,12 @@ class OfThisProcess:
 
     def __init__(self) -> None:
         self._process = os.getpid()
+
+    def __getattr__(self, name: str) -> NoReturn:
+        made = type(self).__name__
+        is_unset = any(name in getattr(base, "__slots__", ()) for base in type(self).__mro__)
+        raise AttributeError(f"{made}.{name} is not set; expected {made}.__init__ to call super().__init__()"
+                             if is_unset else f"{made} has no attribute '{name}'", name=name, obj=self)
 
     def _check_process(self) -> None:
         if os.getpid() != self._process:
@@ -78,8 +85,10 @@ class BaseFarm(OfThisProcess):
 
     def __del__(self) -> None:
         if getattr(self, "_thread", None) is not None and os.getpid() == self._process:
-            warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
-            self.close()
+            try:
+                warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
+            finally:  # where warnings are errors, too
+                self.close()
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(f"{type(self).__name__} cannot be pickled: it has threads and processes")
@@ -95,13 +104,14 @@ class LocalFarm(BaseFarm):
 
     __slots__ = ("workers", "threads")
 
+    @tells_unknown
     def __init__(self, workers: Optional[int] = None, threads: int = 1,
                  verify: Union[float, str] = 0) -> None:
         self._thread = None
         self.workers = None if workers is None else whole_count("workers", workers)
         self.threads = whole_count("threads", threads)
         program()  # Workers are its processes: ImportError tells where it is not of our version.
-        super().__init__(_core.local_farm(self.workers, self.threads, str(verify)))
+        super().__init__(_core.local_farm(self.workers, self.threads, fraction_text("verify", verify)))
 
     def __repr__(self) -> str:
         return f"LocalFarm(workers={self.workers}, threads={self.threads})"
@@ -110,24 +120,25 @@ class LocalFarm(BaseFarm):
 class Threads(BaseFarm):
     """Threads of this process, kept between renders: for small pictures, which start at once.
 
-    :param count: how many; one a core if left out.
+    :param n: how many; one a core if left out.
     """
 
-    __slots__ = ("count",)
+    __slots__ = ("n",)
 
-    def __init__(self, count: Optional[int] = None) -> None:
+    @tells_unknown
+    def __init__(self, n: Optional[int] = None) -> None:
         self._thread = None
-        self.count = None if count is None else whole_count("count", count)
-        super().__init__(_core.threads_here(self.count))
+        self.n = None if n is None else whole_count("n", n)
+        super().__init__(_core.threads_here(self.n))
 
     def __repr__(self) -> str:
-        return f"Threads({self.count or ''})"
+        return f"Threads({self.n or ''})"
 
 
-def whole_count(name: str, value: SupportsIndex) -> int:
+def whole_count(name: str, value: SupportsIndex, least: int = 1) -> int:
     """A number of processes or threads, which the keyword `name` has."""
     most = _core.most_threads
     count = whole(name, value)
-    if not 1 <= count <= most:
-        raise UsageError(f"{name}: {count}; expected a whole number from 1 to {most}")
+    if not least <= count <= most:
+        raise UsageError(f"{name}: {count}; expected a whole number from {least} to {most}")
     return count

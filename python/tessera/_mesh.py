@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 import warnings
-from typing import (TYPE_CHECKING, Any, Generic, Iterable, NoReturn, Optional, TypeVar, Union,
+from typing import (TYPE_CHECKING, Any, Generic, Iterable, Mapping, NoReturn, Optional, TypeVar, Union,
                     overload)
 
 from . import _core, _messages
 from ._array import as_ndarray
+from ._options import boolean
 from ._transforms import Transform
 from ._types import ArrayLike
 from ._value import here, level_of_caller, with_article
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from ._types import Floats, Numbers
 
 Given = TypeVar("Given")  # the array that a field hands out
-
-_LARGEST_SHARE = 2.0 ** -24  # of a mesh's extent that rounding may move a vertex by
 
 
 class _ArrayField(Generic[Given]):
@@ -56,6 +55,18 @@ class _ArrayField(Generic[Given]):
         counted = "triangles" if self._name == "face_materials" else "positions"
         held = _messages.Mesh.__dict__[counted].__get__(mesh)
         return -1 if held is None else len(held)
+
+
+def _triangles_of(cells: Mapping[str, Any]) -> Optional[ArrayLike]:
+    """The triangles of meshio's cells, by their kinds; points and lines beside them are left out."""
+    import numpy as np
+    halves = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 0, 2, 3]}
+    for kind, rows in cells.items():
+        if kind not in halves and kind not in ("vertex", "line"):
+            raise ValueError(f"cells: {len(rows)} of kind '{kind}'; expected those of kinds 'triangle' and 'quad', "
+                             "beside them 'vertex' and 'line'")
+    parts = [np.asarray(rows)[:, halves[kind]].reshape(-1, 3) for kind, rows in cells.items() if kind in halves]
+    return np.concatenate(parts) if parts else None
 
 
 class Mesh(_messages.Mesh):
@@ -136,9 +147,9 @@ class Mesh(_messages.Mesh):
 
     def _take_positions(self, given: ArrayLike, copy: Optional[bool], recenter: bool) -> int:
         """Returns how many there are."""
-        taken, middle, moved, extent = _core.take_positions(given, copy, recenter)
+        taken, middle, moved = _core.take_positions(given, copy, boolean("recenter", recenter))
         Mesh.__dict__["positions"].put(self, taken, None)
-        if moved > extent * _LARGEST_SHARE:
+        if moved > 0:
             warnings.warn(f"positions: rounded by up to {moved:.3g} m; expected a mesh nearer to its "
                           "origin, as with recenter=True", PrecisionWarning, stacklevel=level_of_caller())
         if middle is not None:
@@ -156,14 +167,16 @@ class Mesh(_messages.Mesh):
               flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
               **unknown: NoReturn) -> Mesh:
         """The mesh of an object that has `vertices` or `points`, and `faces`, `triangles` or `cells`:
-        those of trimesh, Open3D and meshio.
+        those of trimesh, Open3D and meshio. Cells of meshio that are quads become two triangles each.
         """
         positions = next((getattr(source, name) for name in ("vertices", "points")
                           if getattr(source, name, None) is not None), None)
         triangles = next((getattr(source, name) for name in ("faces", "triangles")
                           if getattr(source, name, None) is not None), None)
         if triangles is None and hasattr(source, "cells_dict"):
-            triangles = source.cells_dict.get("triangle")
+            triangles = _triangles_of(source.cells_dict)
+        elif triangles is None:
+            triangles = getattr(source, "cells", None)
         if positions is None or triangles is None:
             raise TypeError(f"{with_article(source)}; expected vertices or points, and faces, "
                             "triangles or cells")

@@ -1,11 +1,13 @@
 """Which line of a script made the part of a scene that an error of the renderer names."""
 from __future__ import annotations
 
+import contextlib
 import re
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Tuple, Union
 
 from . import _core
 from ._graph import Instances
+from ._log import logged_at_end
 from ._messages import Light, Shape
 from ._value import where
 from .errors import SceneError
@@ -13,19 +15,16 @@ from .errors import SceneError
 if TYPE_CHECKING:
     from .scene import Scene
 
-_SEGMENT = re.compile(r"(\w+)(?: '(.*)'| (\d+))?")
+_SEGMENT = re.compile(r"(\w+)(?: '(.*?)'(?= > |$)| (\d+))?(?: > |$)")
+_BEGINNING = re.compile(r"((?:\w+(?: '.*?'| \d+)? > )*\w+(?: '.*?'| \d+)?): ", re.DOTALL)
 _LISTS = {"node": ("nodes", "children", "operands"), "operand": ("operands",),
           "camera": ("cameras",)}
 _ALONE = {"shape": Shape, "light": Light}
 _NAMED = ("material", "texture", "object")
 
 
-def _step(value: Any, segment: str) -> Optional[Tuple[Any, str]]:
+def _step(value: Any, kind: str, name: Optional[str], number: Optional[str]) -> Optional[Tuple[Any, str]]:
     """The part of a value that "node 'hall'", "node 3" or "shape" means, and its name in Python."""
-    found = _SEGMENT.fullmatch(segment)
-    if found is None:
-        return None
-    kind, name, number = found.groups()
     if isinstance(value, _ALONE.get(kind, ())):
         return value, ""  # which stands in a list of nodes by itself
     for attribute in _LISTS.get(kind, ()):
@@ -64,32 +63,46 @@ def _named_part(scene: "Scene", kind: str, name: str) -> Optional[Tuple[Any, str
     return None
 
 
-def located(scene: "Scene", error: SceneError) -> SceneError:
+@contextlib.contextmanager
+def located_errors(scene: Union["Scene", str]) -> Iterator[None]:
+    """Errors of a scene that was made in Python tell where; those of a file do so themselves. Passes on
+    what is logged meanwhile."""
+    try:
+        with logged_at_end():
+            yield
+    except SceneError as error:
+        raise error if isinstance(scene, str) else _located(scene, error) from None
+
+
+def _located(scene: "Scene", error: SceneError) -> SceneError:
     """The error with the script's line and the path of what it names; itself where those are not
     known. Errors of the renderer read "node 'hall' > node 3 > shape: sphere.radius is -1; ..."."""
     text = error.message[len("scene: "):] if error.message.startswith("scene: ") else error.message
-    beginning, _, rest = text.partition(": ")
+    beginning = _BEGINNING.match(text)
+    if beginning is None:
+        return error
+    rest = text[beginning.end():]
     value: Any = scene
     path: List[str] = []
-    for segment in beginning.split(" > "):
-        kind, _, name = segment.partition(" ")
+    for kind, name, number in (found.groups() for found in _SEGMENT.finditer(beginning.group(1))):
         if kind in _NAMED:  # which may stand anywhere in the scene
             path.clear()
-            step = _named_part(scene, kind, name.strip("'"))
+            step = _named_part(scene, kind, name or "")
         else:
-            step = _step(value, segment)
+            step = _step(value, kind, name, number)
         if step is None:
             return error
         value = step[0]
         path.append(step[1])
-    field = rest.partition(" is ")[0].rpartition(".")[2]
-    if field.isidentifier() and hasattr(value, field):
-        path.append(field)
-        if getattr(value, field) is None:  # the zeros are none of the script's
-            rest = rest.replace(" is (0, 0, 0)", " is not set", 1)
     place = where(value)
-    if place is None:
-        return error
-    line = f"{place[0]}:{place[1]}"
+    for field in re.split(" is | has ", rest)[0].split("."):
+        if not (field.isidentifier() and hasattr(value, field)):
+            continue
+        path.append(field)
+        value = getattr(value, field)
+        if value is None:  # the zeros are none of the script's
+            rest = rest.replace(" is (0, 0, 0)", " is not set", 1)
+        place = where(value) or place
+    line = "" if place is None else f"{place[0]}:{place[1]}"  # none where it was loaded
     whole = ".".join(filter(None, path))
-    return SceneError(f"{line}: {whole}: {rest}", place=line, path=whole)
+    return SceneError(": ".join(filter(None, (line, whole, rest))), place=line, path=whole)

@@ -1,10 +1,11 @@
 """What shapes and nodes can both do: be moved, copied, mirrored, turned inside out, combined and hit."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Tuple, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple, TypeVar, Union
 
 from ._core import Vec
 from ._types import ArrayLike, Cull, HitField, VectorLike
+from .errors import nesting_ends
 
 if TYPE_CHECKING:
     from ._messages import Csg, CsgOperation, Plane
@@ -35,20 +36,28 @@ class Placed:
 
     def mirror(self: T, plane: Plane) -> T:
         """Mirrors it in a Plane. Its front stays its front."""
+        from ._messages import Plane
         from ._transforms import matrix
+        if not isinstance(plane, Plane):
+            raise TypeError(f"plane: {plane!r:.100}; expected a Plane")
         normal, offset = _in_parent(plane)
         rows = [[float(i == j) - 2 * normal[i] * normal[j] for j in range(3)] + [2 * offset * normal[i]]
                 for i in range(3)]
         return self._place_by(matrix(rows))
 
     def copy(self: T, v: VectorLike = (0, 0, 0)) -> T:
-        """Another one, moved by the vector `v`, in metres. Its parts are copies too; materials are
-        shared, and what takes memory is stored once for both."""
-        return self._instance().shift(v)
+        """Another one, moved by the vector `v`, in metres. Its parts are copies too: those of a node
+        with children are below `instance_of` of the new one. Materials are shared, and what takes
+        memory is stored once for both."""
+        with nesting_ends(self):
+            made = self._instance()
+        return made.shift(v)
 
     def flip(self: T) -> T:
         """Turns its normals to the other side, so that its front becomes its back."""
-        for name, held in _turned(self, {}).items():
+        with nesting_ends(self):
+            turned = _turned(self, {})
+        for name, held in turned.items():
             setattr(self, name, held)
         return self
 
@@ -63,8 +72,9 @@ class Placed:
         """
         from . import _messages
         from .scene import Scene
-        names = {material for shape in _shapes(self) for material in shape.materials
-                 if isinstance(material, str)}
+        materials = [material for shape in _shapes(self) for material in shape.materials]
+        own = {getattr(material, "name", None) for material in materials}
+        names = {material for material in materials if isinstance(material, str)} - own
         alone: Any = self
         scene = Scene(nodes=[alone], materials=[_messages.Classic(name=name) for name in sorted(names)])
         return scene.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
@@ -127,18 +137,19 @@ def _parts(thing: Any) -> Iterator[Any]:
 
 
 def everything_in(thing: Any) -> Iterator[Any]:
-    """The thing, and all shapes, nodes, objects, lights and materials in it, each once."""
-    seen, pending = set(), [thing]
+    """The thing, and all values in it, each once."""
+    seen: Set[int] = set()
+    pending = [thing]
     while pending:
         part = pending.pop()
-        # A text is a name of what is elsewhere.
-        if part is None or isinstance(part, str) or id(part) in seen:
+        if id(part) in seen:
             continue
         seen.add(id(part))
         yield part
-        fields = getattr(part, "_FIELDS", ())
-        inside = [getattr(part, "light")] if "light" in fields else []
-        pending += reversed([*_parts(part), *inside, *(part.materials if "materials" in fields else ())])
+        for name in reversed(part._FIELDS):
+            held = getattr(part, name)
+            inside = held if isinstance(held, list) else [held]
+            pending += [each for each in reversed(inside) if hasattr(each, "_FIELDS")]
 
 
 def apart(thing: Any, copies: Optional[Dict[int, Any]] = None) -> Any:

@@ -44,8 +44,8 @@ def program() -> str:
     """The path of the program `tessera`, whose processes render for this module.
 
     It is found when the module is imported: what the environment variable TESSERA_PROGRAM names (a
-    program or its folder), else the folder `_bin` of the package, the folder that was configured when
-    the module was built, and the folders of PATH. The first call here, which is that of the first
+    program or its folder), else the folder `_bin` of the package, lib/tessera where the package is below
+    the same lib, else the folder that was configured when the module was built, and the folders of PATH. The first call here, which is that of the first
     render at the latest, runs it to compare its version with the module's. ImportError tells both
     versions where they differ, or that there is no such program. The import does not check that,
     since starting a process would take longer than all the rest of it.
@@ -57,9 +57,16 @@ def program() -> str:
     return _program
 
 
+def _installed_folder(package: str) -> str:
+    """Of the program that was installed with the package, as Debian lays them out."""
+    folder = os.path.normpath(os.path.join(package, "../../../tessera"))
+    return folder if os.path.isfile(os.path.join(folder, _NAME)) else _core.installed_folder
+
+
+_package = os.path.dirname(_core.__file__)
+_installed = _installed_folder(_package)
 _WHERE = ("It is looked for as TESSERA_PROGRAM, in the package's folder _bin, in "
-          f"{_core.installed_folder} and on PATH.")
-_program = os.path.realpath(find(
-    os.environ.get("TESSERA_PROGRAM", ""), os.path.join(os.path.dirname(_core.__file__), "_bin"),
-    _core.installed_folder, os.environ.get("PATH", "")))
+          f"{_installed} and on PATH.")
+_program = os.path.realpath(find(os.environ.get("TESSERA_PROGRAM", ""), os.path.join(_package, "_bin"),
+                                 _installed, os.environ.get("PATH", "")))
 _core.set_program(os.fsencode(_program))

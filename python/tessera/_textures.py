@@ -34,8 +34,10 @@ class ImageTexture(_messages.ImageTexture):
                  height: Optional[int] = None, channels: Optional[int] = None,
                  bits: Optional[int] = None, levels: Optional[int] = None,
                  file: Optional[str] = None, **unknown: NoReturn) -> None:
-        super().__init__(texels, width, height, channels, bits, levels, wrap_s or wrap, wrap_t or wrap,
-                         encoding, filter, file, texels_at_corners, name=name, mapping=mapping,
+        super().__init__(texels=texels, width=width, height=height, channels=channels, bits=bits,
+                         levels=levels, wrap_s=wrap_s or wrap, wrap_t=wrap_t or wrap,
+                         encoding=encoding, filter=filter, file=file,
+                         texels_at_corners=texels_at_corners, name=name, mapping=mapping,
                          transform=transform, **unknown)
         self._place = here()
         if isinstance(picture, (str, os.PathLike)):
@@ -62,5 +64,10 @@ class ImageTexture(_messages.ImageTexture):
 
 
 def texture_from(picture: ArrayLike) -> ImageTexture:
-    """The texture that an array stands for, where a colour or number is wanted."""
+    """The texture that an array stands for."""
     return ImageTexture(picture)
+
+
+def normals_from(picture: ArrayLike) -> ImageTexture:
+    """The same of normals, which are no colours."""
+    return ImageTexture(picture, encoding="linear")

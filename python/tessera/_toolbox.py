@@ -9,7 +9,7 @@ from ._core import Vec
 from ._messages import (ClassicDiffuseModel, ClassicTransmission, Material, MaterialAlpha,
                         MaterialSides, Texture)
 from ._types import ColorInputLike, ColorLike, FloatInputLike, VectorLike
-from ._value import here
+from ._value import here, refuse_unknown
 
 #: Film responses (a, b, c) for `Scene(response=...)`: of light x in [0, 1] the picture shows
 #: a x^2 + b x + c. The first brightens dark parts, the second hardly changes anything.
@@ -59,6 +59,8 @@ class Classic(_messages.Classic):
         :param roughness: takes up to .3 times this off the brightness, by lot at each point.
         :param mirror: adds all that is seen in an ideal mirror.
         """
+        if unknown:
+            refuse_unknown("toolbox", unknown, [*cls.toolbox.__func__.__kwdefaults__])  # type: ignore[attr-defined]
         if diffuse is None:
             diffuse = 0 if mirror else 1
         tint = Vec(color(colour))
@@ -69,6 +71,6 @@ class Classic(_messages.Classic):
                    transmission=transmission, absorption=absorption, diffuse_model=diffuse_model,
                    diffuse_exponent=diffuse_exponent, flat=flat, name=name, sides=sides, back=back,
                    normal_map=normal_map, bump=bump, alpha=alpha, alpha_cutoff=alpha_cutoff,
-                   opacity=opacity, normal_scale=normal_scale, **unknown)
+                   opacity=opacity, normal_scale=normal_scale)
         made._place = here()
         return made

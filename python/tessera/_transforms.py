@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple, Union, overload
 
 from . import _core, _messages
-from ._array import as_ndarray
+from ._array import as_ndarray, plain_array
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
 from ._value import several
@@ -33,7 +33,10 @@ class Transform(_messages.Transform):
         if isinstance(other, (str, bytes)) or not hasattr(other, "__len__"):
             return NotImplemented
         import numpy
-        points = numpy.asarray(other, numpy.float64)
+        points = plain_array("points", other)
+        if not numpy.can_cast(points.dtype, numpy.float64):
+            raise TypeError(f"points: dtype {points.dtype}; expected float64 or what fits into it")
+        points = points.astype(numpy.float64, copy=False)
         if points.ndim == 0 or points.shape[-1] != 3:
             raise UsageError(f"points: shape {points.shape}; expected (..., 3)")
         rows = numpy.asarray(self.array)
@@ -79,7 +82,8 @@ def scale(x: float, y: float, z: float) -> Transform: ...
 def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
     """Scales by one factor, or by one for each axis."""
     if _is_one("scale", y, z):
-        factors = x if hasattr(x, "__len__") and len(x) else (x, x, x)
+        is_number = getattr(x, "ndim", None) == 0 or not hasattr(x, "__len__")
+        factors = (x, x, x) if is_number else x
     else:
         factors = (x, y, z)
     return Transform([TransformStep(scale=factors)])
@@ -103,5 +107,11 @@ def look_at(eye: VectorLike, target: VectorLike, up: Optional[VectorLike] = None
 
 
 def keys(pairs: Iterable[Tuple[float, Transform]]) -> List[TransformKey]:
-    """The keys of a motion, from pairs of time and transform."""
-    return [TransformKey(time, transform) for time, transform in several(pairs, "pairs")]
+    """The keys of a motion, from pairs of time, in seconds, and transform."""
+    made = []
+    for pair in several(pairs, "pairs"):
+        both: List[Any] = several(pair, "pairs")
+        if len(both) != 2:
+            raise ValueError(f"pairs: {pair!r:.100}; expected (time, transform)")
+        made.append(TransformKey(*both))
+    return made

@@ -1,24 +1,28 @@
 """What all values of a scene have in common."""
 from __future__ import annotations
 
+import functools
 import re
 import sys
 import threading
 from types import CodeType
-from typing import Any, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
 
 from . import _core
-from .errors import SceneError
+from .errors import NestingError, SceneError
 
 V = TypeVar("V", bound="Value")
 T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
 Place = Tuple[Union[CodeType, str], int]
 
 # The class that users see, by message and kind.
 CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
 
 _MOST_SHOWN = 100_000
-_being_shown = threading.local()  # `count`: the values in the text that repr() is making
+_DEEPEST_SHOWN = 64
+# While repr() makes a text: `count`, the values in it, and `depth`, those around the present one.
+_being_shown = threading.local()
 
 
 class Value(_core.ValueBase):
@@ -46,23 +50,26 @@ class Value(_core.ValueBase):
             return True
         try:
             return _core.describe(self) == _core.describe(other)
+        except NestingError:
+            raise
         except SceneError:
             return False  # what is no part of a scene equals nothing but itself
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        """Evaluates back, but for a value with over 100,000 others in it: `...` stands for the rest.
-        Nodes that are listed twice at each level would make a text without end."""
-        begins = not hasattr(_being_shown, "count")
-        _being_shown.count = 1 if begins else _being_shown.count + 1
+        """Evaluates back, but for arrays of over 1,000 numbers, which are told by their shapes, and a
+        value with over 100,000 others in it, or deeper than a scene may be: `...` stands for the rest.
+        Nodes that are listed twice at each level, or in themselves, would make a text without end."""
+        depth = getattr(_being_shown, "depth", 0)
+        _being_shown.depth = depth + 1
+        _being_shown.count = 1 if depth == 0 else _being_shown.count + 1
         try:
-            if _being_shown.count > _MOST_SHOWN:
+            if _being_shown.count > _MOST_SHOWN or depth > _DEEPEST_SHOWN:
                 return "..."
             return f"{type(self).__name__}({', '.join(self._arguments())})"
         finally:
-            if begins:
-                del _being_shown.count
+            _being_shown.depth = depth
 
     def _arguments(self) -> List[str]:
         held = ((name, getattr(self, name)) for name in self._FIELDS)
@@ -71,16 +78,29 @@ class Value(_core.ValueBase):
 
     def __copy__(self: V) -> V:
         return _rebuild(type(self), {name: _copied(value) for name, value in _slots(self).items()},
-                        self._place)
+                        getattr(self, "_place", None))
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return _rebuild, (type(self), _slots(self), where(self))
+        held = {name: value for name, value in _slots(self).items() if value is not None}
+        return _rebuild, (type(self), held, where(self))
+
+
+@functools.lru_cache(maxsize=None)
+def _slots_of(made: type) -> Dict[str, Any]:
+    """The descriptors of the slots of a class by their names, but for that of `_place`."""
+    names = (name for base in made.__mro__ for name in base.__dict__.get("__slots__", ()))
+    return {name: slot_of(made, name) for name in names if name != "_place"}
 
 
 def _slots(value: Value) -> Dict[str, Any]:
     """What the slots hold, whatever properties hide them."""
-    names = (name for base in type(value).__mro__ for name in base.__dict__.get("__slots__", ()))
-    return {name: slot_of(type(value), name).__get__(value) for name in names if name != "_place"}
+    held = {}
+    for name, slot in _slots_of(type(value)).items():
+        try:
+            held[name] = slot.__get__(value)
+        except AttributeError:
+            refuse_name(value, name)
+    return held
 
 
 def words_of(made: type, field: str) -> str:
@@ -103,8 +123,8 @@ def _copied(value: Any) -> Any:
 
 def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) -> V:
     value = made.__new__(made)
-    for name, held in slots.items():
-        slot_of(made, name).__set__(value, held)
+    for name, slot in _slots_of(made).items():
+        slot.__set__(value, slots.get(name))
     value._place = place
     return value
 
@@ -157,21 +177,32 @@ def where(value: Any) -> Optional[Tuple[str, int]]:
 
 
 def refuse_name(value: Value, name: str) -> NoReturn:
-    """Says that a class has no such attribute, or none that is assigned to, and which is nearest."""
+    """Says that a class has no such attribute, or none that is assigned to, and which is nearest; or
+    that a class derived from it has not set it."""
+    made = type(value).__name__
+    if name in _slots_of(type(value)):
+        raise AttributeError(f"{made}.{name} is not set; expected {made}.__init__ to call super().__init__()")
     held = getattr(type(value), name, None)
     if callable(held) or (isinstance(held, property) and held.fset is None):
         settings = CLASSES["tessera.v1.Settings", ""]
         hint = f"; did you mean 'settings.{name}'?" if name in settings._FIELDS else ""
-        raise AttributeError(f"{type(value).__name__}.{name} cannot be assigned to{hint}")
+        raise AttributeError(f"{made}.{name} cannot be assigned to{hint}")
     hint = nearest(name, [n for n in dir(type(value)) if not n.startswith("_")])
-    raise AttributeError(f"{type(value).__name__} has no attribute '{name}'{hint}")
+    raise AttributeError(f"{made} has no attribute '{name}'{hint}")
 
 
 def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
-    """Says that a constructor has no such keyword, and which is nearest."""
-    from inspect import signature  # here: few scripts need it
-    known = [name for name in signature(type(value)).parameters if name not in unknown]
-    refuse_unknown(type(value).__name__, unknown, known)
+    """Says that a constructor has no such keyword, and which is nearest, or else which class method has
+    it."""
+    from inspect import ismethod, signature  # here: few scripts need it
+    made, name = type(value), next(iter(unknown))
+    known = [each for each in signature(made).parameters if each not in unknown]
+    methods = ((each, getattr(made, each)) for each in dir(made) if not each.startswith("_"))
+    makers = [each for each, method in methods if ismethod(method) and name in signature(method).parameters]
+    if makers and not nearest(name, known):
+        raise TypeError(f"{made.__name__}() has no keyword '{name}'; did you mean "
+                        f"{made.__name__}.{makers[0]}({name}=...)?")
+    refuse_unknown(made.__name__, unknown, known)
 
 
 def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
@@ -181,21 +212,39 @@ def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) 
     raise TypeError(f"{function}() has no keyword '{name}'{hint}")
 
 
+def tells_unknown(function: F) -> F:
+    """Has a function tell which keyword is nearest to one that it lacks."""
+    code = function.__code__
+    known = [name for name in code.co_varnames[:code.co_argcount + code.co_kwonlyargcount] if name != "self"]
+    called = function.__qualname__.replace(".__init__", "").rpartition(".")[2]
+
+    @functools.wraps(function)
+    def call(*args: Any, **named: Any) -> Any:
+        for name in named:
+            if name not in known:
+                refuse_unknown(called, {name: None}, known)
+        return function(*args, **named)
+
+    return call  # type: ignore[return-value]
+
+
 def with_article(value: object) -> str:
     """What a value is, for messages: "an int"."""
     name = type(value).__name__
     return f"{'an' if name[:1] in 'AEIOaeio' else 'a'} {name}"
 
 
-def several(items: Iterable[T], name: str) -> List[T]:
+def several(items: Iterable[T], name: str, expected: str = "a sequence") -> List[T]:
     """A list of what was given as `name`."""
+    if not (hasattr(items, "__iter__") or hasattr(items, "__getitem__")):
+        raise TypeError(f"{name}: {items!r:.100}; expected {expected}")
     try:
         return list(items)
     except NotImplementedError:
         view: object = items
         if not isinstance(view, memoryview):
             raise
-    raise TypeError(f"{name}: a memoryview of shape {view.shape}; expected a sequence")
+    raise TypeError(f"{name}: a memoryview of shape {view.shape}; expected {expected}")
 
 
 def nearest(name: str, known: List[str]) -> str:

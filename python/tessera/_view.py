@@ -57,8 +57,10 @@ class Camera(_messages.Camera):
         """A camera at `eye` that looks at `target`; `fov` in degrees spans the picture's `axis`."""
         if perspective is None and (fov is not None or axis is not None):
             perspective = Perspective(fov, axis)
-        camera = cls(name, description, look_at(eye, target, up), keys, perspective, orthographic,
-                     spherical, cylindrical, lens, headlight, near_distance, far_distance, frame_all,
+        camera = cls(name=name, description=description, world_from_camera=look_at(eye, target, up),
+                     keys=keys, perspective=perspective, orthographic=orthographic,
+                     spherical=spherical, cylindrical=cylindrical, lens=lens, headlight=headlight,
+                     near_distance=near_distance, far_distance=far_distance, frame_all=frame_all,
                      **unknown)
         camera._place = here()
         return camera
@@ -82,8 +84,9 @@ class Lens(_messages.Lens):
             radius_x = radius_y = radius
         if focus is not None:
             focal_distance = focus
-        super().__init__(radius_x, radius_y, focal_distance, shape, blades, focal_surface, samples,
-                         radius_unit, **unknown)
+        super().__init__(radius_x=radius_x, radius_y=radius_y, focal_distance=focal_distance,
+                         shape=shape, blades=blades, focal_surface=focal_surface, samples=samples,
+                         radius_unit=radius_unit, **unknown)
         self._place = here()
 
 

@@ -1,10 +1,10 @@
 """Stand-ins for classes of other packages."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NoReturn, Tuple, Union, overload
+from typing import TYPE_CHECKING, Literal, Tuple, Union, overload
 
 from ._types import ArrayLike
-from ._value import refuse_unknown
+from ._value import tells_unknown
 from .rays import tracer_from_mesh
 
 if TYPE_CHECKING:
@@ -19,24 +19,23 @@ class MeshIntersector:
     through a shared edge or vertex hits each triangle there; a closed mesh contains what
     `Tracer.contains` says."""
 
+    @tells_unknown
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
         self._tracer = tracer_from_mesh(vertices, faces)
 
     @overload
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: Literal[False] = False, multiple_hits: bool = True,
-                      **unknown: NoReturn) -> Tuple[Integers, Integers]: ...
+                      ) -> Tuple[Integers, Integers]: ...
     @overload
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: Literal[True], multiple_hits: bool = True,
-                      **unknown: NoReturn) -> Tuple[Integers, Integers, Doubles]: ...
+                      ) -> Tuple[Integers, Integers, Doubles]: ...
+    @tells_unknown
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: bool = False, multiple_hits: bool = True,
-                      **unknown: NoReturn,
                       ) -> Union[Tuple[Integers, Integers], Tuple[Integers, Integers, Doubles]]:
         """The triangles that are hit, and the ray of each; with `return_locations` the points too."""
-        if unknown:
-            refuse_unknown("intersects_id", unknown, ["ray_origins", "ray_directions", "return_locations", "multiple_hits"])
         import numpy as np
         if multiple_hits:
             hits = self._tracer.intersect_all(ray_origins, ray_directions)
@@ -50,31 +49,26 @@ class MeshIntersector:
         found = (triangle.astype(np.int64), ray.astype(np.int64))
         return found if points is None else found + (points,)
 
+    @tells_unknown
     def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
-                            multiple_hits: bool = True,
-                            **unknown: NoReturn) -> Tuple[Doubles, Integers, Integers]:
+                            multiple_hits: bool = True) -> Tuple[Doubles, Integers, Integers]:
         """The points that are hit, the ray of each, and the triangle of each."""
-        if unknown:
-            refuse_unknown("intersects_location", unknown, ["ray_origins", "ray_directions", "multiple_hits"])
         triangle, ray, points = self.intersects_id(ray_origins, ray_directions, True, multiple_hits)
         return points, ray, triangle
 
-    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
-                         **unknown: NoReturn) -> Integers:
+    @tells_unknown
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Integers:
         """The first triangle that each ray hits; -1 where there is none."""
-        if unknown:
-            refuse_unknown("intersects_first", unknown, ["ray_origins", "ray_directions"])
         import numpy as np
         first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
         return np.where(first.hit, first.primitive.astype(np.int64), -1)
 
-    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
-                       **unknown: NoReturn) -> Bools:
+    @tells_unknown
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Bools:
         """Whether each ray hits anything."""
-        if unknown:
-            refuse_unknown("intersects_any", unknown, ["ray_origins", "ray_directions"])
         return self._tracer.occluded(ray_origins, ray_directions).copy()
 
+    @tells_unknown
     def contains_points(self, points: ArrayLike) -> Bools:
         """Whether each point is inside the mesh; all False where it is not closed."""
         return self._tracer.contains(points).copy()

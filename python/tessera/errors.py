@@ -1,19 +1,21 @@
 """The exceptions of Tessera.
 
 Messages read "place: what was found; what was expected". `except ValueError` catches wrong scenes
-and wrong arguments, `except tessera.Error` everything that is not a bug.
+and wrong values of arguments; arguments of wrong types are a TypeError, as in all of Python.
 """
 from __future__ import annotations
 
+import contextlib
+import errno
 import re
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Tuple
 
 if TYPE_CHECKING:
     from .picture import Image
 
 
 class Error(Exception):
-    """Base of what Tessera raises: the message, and what is known beside it."""
+    """Base of the classes below: the message, and what is known beside it."""
 
     code = 3
 
@@ -39,15 +41,25 @@ class SceneError(Error, ValueError):
         self.path = path
 
 
+class NestingError(SceneError):
+    """A value lies inside itself, or deeper than a scene may be."""
+
+
 class MissingFile(SceneError, FileNotFoundError):
     """A file that is to be read is not there."""
+
+    def __init__(self, message: str = "", *, filename: str = "", suggestion: Optional[str] = None):
+        super().__init__(message, place=filename, suggestion=suggestion)
+        self.errno, self.filename = errno.ENOENT, filename
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        state = {**self.__dict__, "errno": self.errno, "filename": self.filename}
+        return type(self), (self.message,), state
 
     @classmethod
     def of(cls, path: str, expected: str) -> MissingFile:
         """That of a file at `path`."""
-        missing = cls(f"{path}: there is no such file; expected {expected}", place=path)
-        missing.filename = path
-        return missing
+        return cls(f"{path}: there is no such file; expected {expected}", filename=path)
 
 
 class UsageError(Error, ValueError):
@@ -65,7 +77,12 @@ class RenderError(Error, RuntimeError):
 
 
 class FarmError(RenderError, ConnectionError):
-    """A farm cannot be reached, or fell silent."""
+    """A farm cannot be reached, or fell silent. `endpoint` is that of its coordinator."""
+
+    def __init__(self, message: str = "", *, endpoint: str = "", place: str = "",
+                 suggestion: Optional[str] = None):
+        super().__init__(message, place=place, suggestion=suggestion)
+        self.endpoint = endpoint
 
 
 class Refused(FarmError, PermissionError):
@@ -88,23 +105,37 @@ class PrecisionWarning(UserWarning):
     """Numbers were rounded by more than their use bears."""
 
 
-def scene_error(found: str, expected: str, path: str, value: object) -> SceneError:
+def scene_error(found: str, expected: str, path: str, value: object,
+                kind: type[SceneError] = SceneError) -> SceneError:
     """The error of a value that is no part of a scene: where it was made and the way to it."""
     from ._value import where
     made = where(value)
     place = f"{made[0]}:{made[1]}" if made else ""
     beginning = "".join(f"{part}: " for part in (place, path) if part)
     message = f"{beginning}{found}{f'; expected {expected}' if expected else ''}"
-    return SceneError(message, place=place, path=path)
+    return kind(message, place=place, path=path)
+
+
+@contextlib.contextmanager
+def nesting_ends(value: object, path: str = "") -> Iterator[None]:
+    """For what calls itself for the values inside `value`: tells of those without an end, and where
+    the value was made or which argument it is."""
+    try:
+        yield
+    except RecursionError:
+        from . import _core
+        raise scene_error(*_core.nested_too_deep, path, value, NestingError) from None
 
 
 _CLASS_OF_CODE: dict[int, type[Error]] = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
 
 
-def from_core(message: str, code: int) -> Error:
-    """The exception for an error of the renderer with that exit code. Options are called as Python
-    has them: "--min-spp" is min_spp."""
+def from_core(message: str, code: int, file: str) -> Error:
+    """The exception for an error of the renderer with that exit code, in that file if in any. Options are
+    called as Python has them: "--min-spp" is min_spp."""
     if code == UsageError.code:
-        message = re.sub(r"--([a-z0-9][a-z0-9-]*)", lambda m: m.group(1).replace("-", "_"), message)
+        message = re.sub(r"^JOB\b", "job", message)  # as the command line calls it
+        message = re.sub(r"(?<![^\s(])--([a-z0-9][a-z0-9-]*)", lambda m: m.group(1).replace("-", "_"), message)
+        return UsageError(message)
     place = re.match(r"(.+?:\d+(?::\d+)?): ", message)
-    return _CLASS_OF_CODE.get(code, RenderError)(message, place=place.group(1) if place else "")
+    return _CLASS_OF_CODE.get(code, RenderError)(message, place=place.group(1) if place else file)

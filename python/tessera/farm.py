@@ -11,14 +11,19 @@ from ._html import table
 from .errors import Error, SceneWarning, UsageError
 from .picture import Image
 from ._local_farms import BaseFarm
-from ._options import number, plain_text, whole
-from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, ToneMap, Transfer,
+from ._options import boolean, number, plain_text, seconds, whole
+from ._places import located_errors
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap, Transfer,
                      X3dColor, X3dShadows, X3dTexture)
-from ._value import refuse_unknown
+from ._value import level_of_caller, refuse_unknown, tells_unknown
 from .rendering import checked_scene, core_options, with_picture
 
 if TYPE_CHECKING:
     from .scene import Scene
+
+
+_LONGEST_TIMEOUT = 10**9
+_Connection = Tuple[str, str, str, float]  # endpoint, key, server key and timeout
 
 
 class Farm(BaseFarm):
@@ -35,18 +40,21 @@ class Farm(BaseFarm):
 
     __slots__ = ("endpoint", "key", "server_key", "timeout", "_access")
 
+    @tells_unknown
     def __init__(self, endpoint: str = "tcp://127.0.0.1:7117", key: Optional[Path] = None,
                  server_key: Optional[Path] = None, timeout: float = 15) -> None:
         self._thread = None
-        if not number("timeout", timeout) > 0:
-            raise UsageError(f"timeout: {timeout}; expected seconds above 0")
+        if not 0 < number("timeout", timeout) <= _LONGEST_TIMEOUT:
+            raise UsageError(f"timeout: {timeout}; expected seconds above 0, at most {_LONGEST_TIMEOUT}")
         self.endpoint = plain_text("endpoint", endpoint)
         self.key = "" if key is None else plain_text("key", key)
         self.server_key = "" if server_key is None else plain_text("server_key", server_key)
         self.timeout = float(timeout)
-        arguments = (self.endpoint, self.key, self.server_key, self.timeout)
-        self._access: Optional[_core.FarmAccess] = _core.FarmAccess(*arguments)
-        super().__init__(_core.remote_farm(*arguments))
+        self._access: Optional[_core.FarmAccess] = _core.FarmAccess(*self._arguments())
+        super().__init__(_core.remote_farm(*self._arguments()))
+
+    def _arguments(self) -> _Connection:
+        return self.endpoint, self.key, self.server_key, self.timeout
 
     def _ask(self) -> _core.FarmAccess:
         self._check_process()
@@ -60,13 +68,14 @@ class Farm(BaseFarm):
         self._access = None
 
     def submit(self, scene: Union[Scene, Path], *,
-               frames: Union[None, str, int, Tuple[int, int]] = None, name: str = "",
+               frames: Union[None, str, int, range, Tuple[int, int]] = None, name: Optional[str] = None,
                priority: int = 0, weight: int = 1, size: Optional[Size] = None,
                crop: Optional[Crop] = None, camera: Optional[str] = None, pinhole: bool = False,
                frame_all: bool = False, spp: Optional[int] = None,
                target_error: Optional[float] = None, min_spp: Optional[int] = None,
                filter: Optional[str] = None, pattern: Optional[Pattern] = None,
                seed: Optional[int] = None, integrator: Optional[Integrator] = None,
+               max_depth: Optional[int] = None, shadows: Optional[Shadows] = None,
                accel: Optional[Accelerator] = None, aovs: Aovs = (),
                time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
                assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
@@ -76,21 +85,22 @@ class Farm(BaseFarm):
                exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
                **unknown: NoReturn) -> Job:
-        """Leaves a scene, or the frames A to B of its animation, to the farm: returns once it has
-        all of it. The options are those of `tessera submit`."""
+        """Leaves a scene, or the frames of its animation that `frames` tells, as (first, last) or a
+        range, to the farm: returns once it has all of it. The options are those of `tessera submit`."""
         options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
         if unknown:
-            refuse_unknown("submit", unknown, [*options, *_OF_JOBS])
+            refuse_unknown("submit", unknown, [*options, *sorted(_OF_JOBS - {"self", "unknown"})])
         access = self._ask()
-        most = _core.most_priority
-        if not -most <= whole("priority", priority) <= most:
-            raise UsageError(f"priority: {priority}; expected a whole number from {-most} to {most}")
+        checked_priority(priority)
         if not 1 <= whole("weight", weight) <= 1000:
             raise UsageError(f"weight: {weight}; expected a whole number from 1 to 1000")
-        number, told = access.submit(core_options(options, of_jobs=True), checked_scene(scene), name,
-                                     priority, weight)
+        scene = checked_scene(scene)
+        with located_errors(scene):
+            number, told = access.submit(
+                core_options(options, of_jobs=True), scene,
+                "" if name is None else plain_text("name", name), priority, weight)
         for warning in told:
-            warnings.warn(warning, SceneWarning, stacklevel=2)
+            warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
         return Job(self, number)
 
     def jobs(self) -> List["Job"]:
@@ -99,9 +109,11 @@ class Farm(BaseFarm):
 
     def job(self, job: Union[int, str]) -> "Job":
         """The job of that number, or the latest of that name."""
-        number, told = self._ask().find(str(job))
+        if isinstance(job, bool) or not isinstance(job, (int, str)):
+            raise TypeError(f"job: {job!r:.100}; expected the number or the name of a job")
+        number, told = self._ask().find(plain_text("job", str(job)))
         for warning in told:
-            warnings.warn(warning, stacklevel=2)
+            warnings.warn(warning, stacklevel=level_of_caller())
         return Job(self, number)
 
     def workers(self) -> int:
@@ -112,17 +124,34 @@ class Farm(BaseFarm):
         return f"Farm({self.endpoint!r})"
 
 
+_ENDED = ("done", "failed", "cancelled")
 _OF_JOBS = {"self", "scene", "name", "priority", "weight", "unknown"}
+
+
+def checked_priority(priority: int) -> int:
+    most = _core.most_priority
+    if not -most <= whole("priority", priority) <= most:
+        raise UsageError(f"priority: {priority}; expected a whole number from {-most} to {most}")
+    return priority
 
 
 class Job:
     """A job of a farm: it goes on whether or not anybody watches."""
 
-    __slots__ = ("farm", "number")
+    __slots__ = ("_farm", "_connection", "number")
 
     def __init__(self, farm: Farm, number: int) -> None:
-        self.farm = farm
+        self._farm: Optional[Farm] = farm
+        self._connection = farm._arguments()
         self.number = number
+
+    @property
+    def farm(self) -> Farm:
+        """Its farm. A job that was pickled connects to it when it is first asked something."""
+        if self._farm is None:
+            endpoint, key, server_key, timeout = self._connection
+            self._farm = Farm(endpoint, key or None, server_key or None, timeout)
+        return self._farm
 
     def status(self) -> dict[str, Any]:
         """What it is at: the object of `tessera status JOB --json`."""
@@ -131,18 +160,24 @@ class Job:
 
     def watch(self, interval: float = .5) -> Iterator[dict[str, Any]]:
         """Yields its status every `interval` seconds, and at its end."""
+        if not 0 <= seconds("interval", interval) <= _LONGEST_TIMEOUT:
+            raise UsageError(f"interval: {interval}; expected seconds, at most {_LONGEST_TIMEOUT}")
+        return self._statuses(interval)
+
+    def _statuses(self, interval: float) -> Iterator[dict[str, Any]]:
         while True:
             status = self.status()
             yield status
-            if status["state"] in ("done", "failed", "cancelled"):
+            if status["state"] in _ENDED:
                 return
             time.sleep(interval)
 
     def wait(self, timeout: Optional[float] = None) -> dict[str, Any]:
-        """Waits until it has ended. Raises TimeoutError after `timeout` seconds."""
-        end = None if timeout is None else time.monotonic() + timeout
+        """Waits until it has ended, which one that is paused or held does not. Raises TimeoutError
+        after `timeout` seconds."""
+        end = None if timeout is None else time.monotonic() + seconds("timeout", timeout)
         for status in self.watch(.1):
-            if status["state"] in ("done", "failed", "cancelled"):
+            if status["state"] in _ENDED:
                 return status
             if end is not None and time.monotonic() >= end:
                 raise TimeoutError(f"job {self.number} is {status['state']} after {timeout} s")
@@ -160,7 +195,7 @@ class Job:
         Raises RenderError with what the frame failed with, Cancelled if the job was cancelled, both
         with what is done as `image`, and TimeoutError while it is not done: `wait()` before."""
         at = self._place_of(frame)
-        fetched = self.farm._ask().fetch(self.number, at, denoise)
+        fetched = self.farm._ask().fetch(self.number, at, boolean("denoise", denoise))
         if not fetched.has_ended:
             raise TimeoutError(f"job {self.number} is not done yet; expected wait() before fetch()")
         image = None if fetched.picture is None else Image._of(fetched.picture)
@@ -185,7 +220,7 @@ class Job:
         if frame is None:
             return 0
         numbers = list(self.frames())
-        if frame not in numbers:
+        if whole("frame", frame) not in numbers:
             raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
         return numbers.index(frame)
 
@@ -196,9 +231,9 @@ class Job:
         """Its tiles wait until `resume()`."""
         self._order(_core.Order.pause)
 
-    def resume(self) -> None:
-        """It goes on."""
-        self._order(_core.Order.resume)
+    def resume(self, priority: Optional[int] = None) -> None:
+        """It goes on, with another priority if one is given."""
+        self._order(_core.Order.resume, None if priority is None else checked_priority(priority))
 
     def cancel(self) -> None:
         """It ends, with what is done of it."""
@@ -214,21 +249,22 @@ class Job:
 
     def __eq__(self, other: object) -> bool:
         return (isinstance(other, Job) and other.number == self.number
-                and other.farm.endpoint == self.farm.endpoint)
+                and other._connection[0] == self._connection[0])
 
     def __hash__(self) -> int:
-        return hash((self.farm.endpoint, self.number))
+        return hash((self._connection[0], self.number))
 
     def __repr__(self) -> str:
-        return f"<Job {self.number} of {self.farm.endpoint}>"
+        return f"<Job {self.number} of {self._connection[0]}>"
 
     def _repr_html_(self) -> str:
         return table(self.status())
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        farm = self.farm
-        return _unpickled, (farm.endpoint, farm.key, farm.server_key, farm.timeout, self.number)
+        return _unpickled, (*self._connection, self.number)
 
 
 def _unpickled(endpoint: str, key: str, server_key: str, timeout: float, number: int) -> Job:
-    return Job(Farm(endpoint, key or None, server_key or None, timeout), number)
+    job = Job.__new__(Job)
+    job._farm, job._connection, job.number = None, (endpoint, key, server_key, timeout), number
+    return job

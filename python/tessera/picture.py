@@ -8,8 +8,8 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
-from ._array import as_ndarray
-from ._options import file_name, option_texts
+from ._array import as_ndarray, plain_array
+from ._options import boolean, file_name, named_text, option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
 from ._value import refuse_unknown
 from .errors import MissingFile, UsageError
@@ -35,7 +35,7 @@ class Rect(NamedTuple):
 class Metrics(NamedTuple):
     """How far a picture is from another, the reference, in linear light: what `tessera compare
     --metrics` tells. Means are over all channels. A value that is no finite number is infinitely far
-    from others for `max`, `mean` and `rmse`, and 0 for what follows them."""
+    from others for `max`, `mean`, `rmse` and `max_of`, and counts as equal for the rest."""
 
     max: float
     """The greatest difference."""
@@ -74,8 +74,6 @@ class Image:
     equal that have the same bits in both.
 
     `stats` is what `tessera render --stats` writes; `holes` are tiles that nobody could trace.
-    Keywords called `output` are those of `tessera render`: exposure, tone_map, transfer, gamma and
-    the ocio_ ones.
     """
 
     __slots__ = ("_picture", "__dict__")
@@ -87,8 +85,11 @@ class Image:
     @classmethod
     def _of(cls, picture: _core.Picture) -> "Image":
         image = cls.__new__(cls)
-        image._picture = picture
+        object.__setattr__(image, "_picture", picture)
         return image
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        raise AttributeError(f"Image.{name} cannot be assigned to: a picture never changes")
 
     @classmethod
     def from_array(cls, array: ArrayLike, linear: Optional[bool] = None) -> "Image":
@@ -97,7 +98,7 @@ class Image:
         :param linear: whether they are linear light, or codes in sRGB as most files hold. Left out:
             floats are light; uint8 and uint16, from 0 to their largest value, are codes.
         """
-        light = _light_of(array, linear)
+        light = _light_of(array, None if linear is None else boolean("linear", linear))
         return cls._of(_core.picture_from_values(light.shape[1], light.shape[0], light))
 
     @property
@@ -122,8 +123,9 @@ class Image:
 
     @functools.cached_property
     def linear(self) -> Floats:
-        """Radiance as (h, w, 3) float32: a read-only view of the film."""
-        view: Floats = as_ndarray(self._picture.channels("light"))
+        """Radiance as (h, w, 3) float32, read-only: the film's own memory, or a copy where it has AOVs
+        too."""
+        view: Floats = as_ndarray(self._picture.light)
         return view
 
     @property
@@ -132,19 +134,25 @@ class Image:
         return self._picture.aovs
 
     @overload
-    def aov(self, name: Literal["id"]) -> npt.NDArray[np.uint32]: ...
+    def aov(self, name: Literal["id", "origin", "primitive"]) -> npt.NDArray[np.uint32]: ...
     @overload
     def aov(self, name: FloatAov) -> Floats: ...
     def aov(self, name: Aov) -> Any:
         """What was asked for by `aovs`: albedo, normal, position and variance are (h, w, 3) float32,
-        depth and samples (h, w) float32, id (h, w) uint32."""
-        return as_ndarray(self._picture.channels(name))
+        depth and samples (h, w) float32, id and primitive (h, w) uint32, origin (h, w, 8) uint32."""
+        if not isinstance(name, str):
+            raise TypeError(f"name: {name!r:.100}; expected the name of an AOV")
+        return as_ndarray(self._picture.channels(named_text("name", name)))
 
     def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
+                ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
+                ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
                 **unknown: NoReturn) -> npt.NDArray[np.uint8]:
         """The bytes of the PNG as (h, w, 3) uint8. The keywords are those of `save`."""
-        output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma}
+        output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma,
+                  "ocio_view": ocio_view, "ocio_display": ocio_display, "ocio_space": ocio_space,
+                  "ocio_input": ocio_input}
         if unknown:
             refuse_unknown("to_srgb", unknown, list(output))
         values: npt.NDArray[np.uint8] = as_ndarray(self._picture.to_srgb(option_texts(output)))
@@ -184,9 +192,9 @@ class Image:
                              f"{self.linear.shape}, that of the picture")
         return Image._of(self._picture.with_light(light))
 
-    @functools.cached_property
+    @property
     def stats(self) -> dict[str, Any]:
-        """What was done, counted and timed; empty where the picture was not rendered."""
+        """A dict of what was done, counted and timed; empty where the picture was not rendered."""
         text = self._picture.statistics
         stats: dict[str, Any] = json.loads(text) if text else {}
         return stats
@@ -198,7 +206,7 @@ class Image:
 
     @functools.cached_property
     def sha256(self) -> str:
-        """SHA-256 of the linear pixels, as `pixels_sha256` of the statistics."""
+        """SHA-256 of the linear pixels, as `tessera render --stats` tells it of a picture."""
         return self._picture.sha256()
 
     def __array__(self, dtype: Optional[npt.DTypeLike] = None) -> npt.NDArray[Any]:
@@ -236,7 +244,7 @@ def _unpickled(state: Any) -> Image:
 def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
     """The array as linear light, (h, w, 3)."""
     import numpy
-    values: npt.NDArray[Any] = numpy.asarray(array)
+    values: npt.NDArray[Any] = plain_array("array", array)
     if values.ndim == 2:
         values = numpy.repeat(values[:, :, None], 3, axis=2)
     if values.ndim == 3 and values.shape[2] == 4:
@@ -244,14 +252,13 @@ def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
                          "multiply it in, or leave it out by array[..., :3]")
     if values.ndim != 3 or values.shape[2] != 3 or 0 in values.shape:
         raise UsageError(f"array: shape {values.shape}; expected (h, w, 3) or (h, w)")
-    is_code = values.dtype in (numpy.uint8, numpy.uint16)
+    is_code = values.dtype.kind == "u" and values.dtype.itemsize <= 2
     if values.dtype.kind != "f" and not is_code:
         raise TypeError(f"array: numbers of type {values.dtype}; expected floats, uint8 or uint16")
     if is_code:
         values = values / numpy.iinfo(values.dtype).max
     if is_code if linear is None else not linear:
-        values = values.astype(numpy.float64)  # as the command line, which rounds at the end
-        values = numpy.where(values <= .04045, values / 12.92, ((values + .055) / 1.055) ** 2.4)
+        values = as_ndarray(_core.linear_of_srgb(values))
     return numpy.ascontiguousarray(values, dtype=numpy.float32)
 
 
@@ -259,7 +266,8 @@ def read_image(path: Path) -> Image:
     """The picture in a file as linear light: whole numbers are taken for sRGB, as most files hold;
     floats are light.
 
-    Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and SceneError for a file that holds no picture."""
+    Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and
+    SceneError for a file that holds no picture."""
     import numpy
     name = file_name(path)
     if not os.path.exists(name):
@@ -279,7 +287,7 @@ def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
     if (first.width, first.height) != (second.width, second.height):
         raise UsageError(f"b: size {second.width}x{second.height}; expected {first.width}x"
                          f"{first.height}, that of a")
-    told = _core.compare(first.linear, second.linear)
+    told = _core.compare(first._picture, second._picture)
     differ = told["differing"] > 0
     told.update(where=Rect(*told["where"]) if differ else None, worst=told["worst"] if differ else None)
     return Metrics(**told)

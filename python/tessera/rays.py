@@ -2,16 +2,21 @@
 from __future__ import annotations
 
 import operator
+import warnings
 from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
                     Union)
 
 from . import _core
+from ._array import plain_array
 from ._hits import AllHits, Hits, Located, frozen
+from ._local_farms import whole_count
+from ._log import logged_at_end
 from ._mesh import Mesh
-from ._options import number, plain_text
-from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
-from ._value import nearest
-from .errors import UsageError
+from ._options import boolean, folder_text, named_text, number, plain_text, whole
+from ._types import Accelerator, ArrayLike, Cull, HitField, Path, VectorLike
+from ._value import level_of_caller, nearest, several, tells_unknown
+from .errors import SceneWarning, UsageError
+from .rendering import core_options
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,28 +32,30 @@ __all__ = ["AllHits", "Hits", "Tracer", "tracer_from_scene"]
 
 _CULLS = ("none", "back", "front")
 _FIELDS: Tuple[HitField, ...] = ("t", "instance", "primitive", "uv")
+_SOME_FIELDS = f"some of {', '.join(_FIELDS)}"
 
 
 def _choice(keyword: str, found: str, known: Sequence[str]) -> str:
     if found in known:
         return found
-    raise UsageError(f"{keyword}: {found!r}; expected one of {', '.join(known)}"
-                     f"{nearest(str(found), list(known))}")
+    kind, hint = (UsageError, nearest(found, list(known))) if isinstance(found, str) else (TypeError, "")
+    raise kind(f"{keyword}: {found!r:.100}; expected one of {', '.join(known)}{hint}")
+
+
+def _camera_name(camera: Optional[str]) -> str:
+    return "" if camera is None else named_text("camera", camera)
 
 
 def _thread_count(threads: Optional[int]) -> int:
     if threads is None:
         return _core.core_count()
-    if isinstance(threads, bool) or not hasattr(threads, "__index__") or not (
-            1 <= operator.index(threads) <= _core.most_threads):
-        raise UsageError(f"threads: {threads!r}; expected a whole number from 1 to {_core.most_threads}")
-    return operator.index(threads)
+    return whole_count("threads", threads)
 
 
 def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
     """`value` as an array of float64, or of float32 where it is that."""
     import numpy as np
-    array: AnyArray = np.asarray(value)
+    array: AnyArray = plain_array(name, value)
     if array.dtype == object or not np.can_cast(array.dtype, np.float64, "safe"):
         # Whole numbers of 64 bits lose their last bits by numpy's rule, and are taken all the same.
         if array.dtype.kind not in "iu":
@@ -56,7 +63,7 @@ def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
     single = array.dtype.kind == "f" and array.dtype.itemsize == 4
     wanted = np.float32 if single else np.float64
     # A view, since arrays of ctypes tell their byte order even where it is this machine's.
-    return array.astype(wanted, copy=False).view(wanted)
+    return np.require(array.astype(wanted, copy=False).view(wanted), requirements=["ALIGNED"])
 
 
 def _vectors(name: str, value: ArrayLike) -> Rows:
@@ -130,26 +137,30 @@ class Tracer:
     """The geometry of a scene for ray queries, made by `Scene.tracer`. It never changes: any number
     of threads may use it at once. Results have the same bits for any number of threads.
 
-    Arrays that it gives are read-only. Rays start at `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t
-    counts lengths of the direction, and hits lie at t_min < t < t_max. Surfaces are met whatever
-    their material lets through; hidden nodes are not there. A ray with a NaN, or without a
+    Arrays that it gives are read-only. Points are metres on the axes of the world. Rays start at
+    `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t counts lengths of the
+    direction, and hits lie at t_min < t < t_max. Surfaces are met whatever their material lets
+    through; hidden nodes are not there. A ray whose numbers are not all finite, or without a
     direction, hits nothing."""
 
-    __slots__ = ("_core", "_options", "_names")
+    __slots__ = ("_core", "_options", "_names", "_open")
 
     def __init__(self, core: _core.Tracer, options: Options) -> None:
         self._core, self._options = core, options
         self._names: Optional[List[str]] = None
+        self._open: Optional[List[int]] = None  # meshes
 
     @classmethod
-    def _of(cls, scene: Union[Scene, str, bytes], options: Options) -> Tracer:
+    def _of(cls, scene: Union[Scene, str, bytes], options: Options, assets: str = "") -> Tracer:
         """Of a Scene, of its text form (str) or of its binary form (bytes)."""
         time, camera, accel, threads = options
-        return cls(_core.Tracer(scene, time, camera, accel, _thread_count(threads)), options)
+        with logged_at_end():
+            return cls(_core.Tracer(scene, time, camera, accel, _thread_count(threads), assets), options)
 
     def _threads(self, threads: Optional[int]) -> int:
         return _thread_count(threads if threads is not None else self._options[-1])
 
+    @tells_unknown
     def intersect(self, origins: ArrayLike, directions: ArrayLike, *,
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
                   cull: Cull = "none", threads: Optional[int] = None,
@@ -157,8 +168,10 @@ class Tracer:
         """The closest hit of each ray. `fields` names what is wanted of t, instance, primitive and
         uv; all, if it is left out."""
         import numpy as np
-        wanted = _FIELDS if fields is None else ((fields,) if isinstance(fields, str)
-                                                 else tuple(fields))
+        wanted: Sequence[HitField] = (_FIELDS if fields is None else [fields] if isinstance(fields, str)
+                                      else several(fields, "fields", _SOME_FIELDS))
+        if not wanted:
+            raise UsageError(f"fields: {fields!r}; expected {_SOME_FIELDS}")
         for name in wanted:
             _choice("fields", name, _FIELDS)
         rays = _Rays(origins, directions, t_min, t_max)
@@ -170,10 +183,10 @@ class Tracer:
         self._core.intersect(rays.origins, rays.directions, *rays.ends,
                              _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads),
                              *empty, *(arrays.get(name) for name in _FIELDS))
-        for array in arrays.values():
-            frozen(array)
-        return Hits(self, kept, threads, arrays, rays.shape)
+        return Hits(self, kept, threads, {name: frozen(array) for name, array in arrays.items()},
+                    rays.shape)
 
+    @tells_unknown
     def occluded(self, origins: ArrayLike, directions: ArrayLike, *,
                  t_min: Union[float, ArrayLike] = 0.0,
                  t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
@@ -187,6 +200,7 @@ class Tracer:
                             out)
         return frozen(out)
 
+    @tells_unknown
     def intersect_all(self, origins: ArrayLike, directions: ArrayLike, *,
                       t_min: Union[float, ArrayLike] = 0.0,
                       t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
@@ -200,6 +214,7 @@ class Tracer:
             _CULLS.index(_choice("cull", cull, _CULLS)), self._threads(threads), *empty))
         return AllHits(offsets, rays.shape, self, kept, threads, dict(zip(_FIELDS, arrays)))
 
+    @tells_unknown
     def crossings(self, origins: ArrayLike, directions: ArrayLike, *,
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
                   threads: Optional[int] = None) -> npt.NDArray[np.int32]:
@@ -211,11 +226,22 @@ class Tracer:
         self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
         return frozen(out)
 
+    @tells_unknown
     def contains(self, points: ArrayLike, shape: Union[None, int, str] = None, *,
                  threads: Optional[int] = None) -> Bools:
-        """Whether each point is inside some solid or closed mesh, or inside the instances of that
-        name or number."""
+        """Whether each of the points, (..., 3) in metres on the axes of the world, is inside some solid
+        or closed mesh; with `shape` inside the instances of that name or number. bool (...); False for
+        a point whose numbers are not all finite. A mesh that is not closed has no inside: SceneWarning
+        tells of it, UsageError where `shape` means it."""
         import numpy as np
+        if shape is None and self._open is None:
+            self._open = self._core.open_meshes()
+            if self._open:
+                name = self._instance_names()[self._open[0]]
+                more = f" and {len(self._open) - 1} more" if len(self._open) > 1 else ""
+                warnings.warn(f"contains: the mesh '{name}'{more}: not closed, so that nothing is inside; "
+                              "expected each edge between two triangles", SceneWarning,
+                              stacklevel=level_of_caller())
         at = _vectors("points", points)
         inside = np.zeros(at.shape[:-1], bool)
         for number in self._numbers(shape):
@@ -228,33 +254,47 @@ class Tracer:
         if shape is None:
             return [None]
         if isinstance(shape, str):
-            _choice("shape", shape, sorted(set(self.instances)))
-            return [i for i, name in enumerate(self.instances) if name == shape]
+            names = self._instance_names()
+            _choice("shape", shape, sorted(set(names)))
+            return [i for i, name in enumerate(names) if name == shape]
         if isinstance(shape, bool) or not hasattr(shape, "__index__"):
             raise TypeError(f"shape: {shape!r:.60}; expected the name or number of an instance")
         number = operator.index(shape)
-        if not 0 <= number < len(self.instances):
-            raise UsageError(f"shape: {shape}; expected a name or a number below "
-                             f"{len(self.instances)}")
+        count = len(self._instance_names())
+        if not 0 <= number < count:
+            raise UsageError(f"shape: {shape}; expected a name or a number below {count}")
         return [number]
 
+    @tells_unknown
     def camera_rays(self, size: Optional[Tuple[int, int]] = None, camera: Optional[str] = None,
                     ) -> Tuple[Doubles, Doubles]:
-        """Origins and unit directions, (height, width, 3), of the rays through the middles of the
-        pixels of a frame of `size`, (width, height)."""
+        """Origins, in metres, and unit directions, both float64 (height, width, 3) on the axes of the
+        world, of the rays through the middles of the pixels of a frame; row 0 is the top.
+
+        :param size: (width, height); left out, that of the scene.
+        :param camera: the name of one; left out, the tracer's.
+        """
         import numpy as np
-        width, height = (int(n) for n in (size or self._core.size()))
-        if not (0 < width <= 65536 and 0 < height <= 65536):
-            raise UsageError(f"size: {(width, height)}; expected 1 to 65536 pixels a side")
+        sides = several(self._core.size() if size is None else size, "size")
+        if len(sides) != 2 or not all(0 < whole("size", side) <= 65536 for side in sides):
+            raise UsageError(f"size: {size}; expected (width, height), whole numbers from 1 to 65536")
+        width, height = map(operator.index, sides)
         origins, directions = (np.empty((height, width, 3)) for _ in range(2))
-        self._core.camera_rays(camera or "", width, height, origins, directions)
+        self._core.camera_rays(_camera_name(camera), width, height, self._threads(None), origins,
+                               directions)
         return frozen(origins), frozen(directions)
 
+    @tells_unknown
     def spawn(self, hits: Located, directions: ArrayLike) -> Doubles:
         """Where rays start that leave the surfaces of `hits` along `directions`: moved off by the
-        bound on the error, so that they do not meet those surfaces there. NaN where there is no
-        hit."""
+        bound on the error, so that they do not meet those surfaces there. Metres on the axes of the
+        world, float64 in the shape of the hits, (..., 3); NaN where there is no hit.
+
+        :param directions: one for each hit, or one for all; of any length.
+        """
         import numpy as np
+        if not isinstance(hits, Located):
+            raise TypeError(f"hits: {hits!r:.100}; expected Hits or AllHits")
         away = _vectors("directions", directions)
         shape = hits._shape
         if _broadcast([("hits", shape), ("directions", away.shape[:-1])]) != shape:
@@ -267,13 +307,17 @@ class Tracer:
 
     @property
     def bounds(self) -> Doubles:
-        """The least and largest corner around all that ends somewhere, (2, 3)."""
+        """The least and the largest corner around all that ends somewhere, float64 (2, 3): metres on
+        the axes of the world. Infinite, the least above the largest, where there is nothing such."""
         import numpy as np
         return np.asarray(self._core.bounds())
 
     @property
     def instances(self) -> List[str]:
         """The names of instances, by number: of the node, or else of the shape."""
+        return list(self._instance_names())
+
+    def _instance_names(self) -> List[str]:
         if self._names is None:
             self._names = self._core.instances()
         return self._names
@@ -288,23 +332,36 @@ class Tracer:
         """What is held, and what building took."""
         return self._core.statistics()
 
-    def __reduce__(self) -> Tuple[Any, ...]:
-        return Tracer._of, (self._core.scene(), self._options)
+    def __reduce_ex__(self, protocol: SupportsIndex) -> Tuple[Any, ...]:
+        from pickle import PickleBuffer
+        scene = self._core.scene()
+        return _rebuilt, (PickleBuffer(scene) if int(protocol) >= 5 else scene, self._options)
 
     def __repr__(self) -> str:
-        return f"<Tracer of {len(self.instances)} instances>"
+        return f"<Tracer of {len(self._instance_names())} instances>"
 
 
+def _rebuilt(scene: bytes, options: Options) -> Tracer:
+    """A tracer that was pickled, whose scene may come in any buffer."""
+    return Tracer._of(bytes(scene), options)
+
+
+@tells_unknown
 def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] = None,
                       camera: Optional[str] = None, accel: Accelerator = "bvh",
-                      threads: Optional[int] = None, geometry_only: bool = True) -> Tracer:
-    """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now."""
-    if not geometry_only:
+                      threads: Optional[int] = None, geometry_only: bool = True,
+                      assets: Optional[Path] = None) -> Tracer:
+    """A tracer of a `Scene`, of its text form (str) or of its binary form (bytes), as it is now.
+    Files that a Scene includes are looked for in `assets`, as by `render`."""
+    if not boolean("geometry_only", geometry_only):
         raise UsageError("geometry_only: False; expected True, as tracers know no light")
     when = None if time is None else number("time", time)
-    return Tracer._of(scene, (when, plain_text("camera", camera or ""), accel, threads))
+    core_options({"time": when, "accel": accel})  # which refuses what render does
+    name: Any = plain_text("accel", accel)
+    return Tracer._of(scene, (when, _camera_name(camera), name, threads), folder_text(assets))
 
 
+@tells_unknown
 def tracer_from_mesh(positions: ArrayLike, triangles: ArrayLike, *, accel: Accelerator = "bvh",
                      threads: Optional[int] = None) -> Tracer:
     """A tracer of one mesh: positions (v, 3), held as float32, and indices (t, 3)."""

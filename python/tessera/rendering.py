@@ -1,4 +1,4 @@
-"""Rendering: `render`, tasks, and who traces.
+"""Rendering: `render` and its tasks.
 
 A task belongs to a farm. The farm has a thread of its own in the extension module, which runs tasks
 one after the other and waits for no script: a script may compute, sleep or be interrupted meanwhile.
@@ -9,38 +9,26 @@ import os
 import sys
 import time
 import warnings as _warnings
-from typing import (TYPE_CHECKING, Any, AsyncIterator, Callable, Generator, Iterator, Literal, NoReturn, Optional,
+from typing import (TYPE_CHECKING, Any, AsyncIterator, Generator, Iterator, Literal, NoReturn, Optional,
                     Sequence, Union, overload)
 
 from . import _core, _messages
 from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads, whole_count
-from ._options import option_texts, plain_text, whole
-from ._places import located
-from ._progress import SHOW_SECONDS, Progress, ProgressOption, progress_display
-from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Size, X3dColor, X3dShadows,
-                     X3dTexture)
+from ._log import pass_on_log
+from ._options import boolean, fraction_text, frame_number, named_text, option_texts, seconds
+from ._places import located_errors
+from ._progress import SHOW_SECONDS, Callbacks, Progress, ProgressOption, TileCallback
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, X3dColor,
+                     X3dShadows, X3dTexture)
 from ._value import level_of_caller, refuse_unknown
 from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
                      UsageError)
-from .picture import Image, Rect
+from .picture import Image
 
 if TYPE_CHECKING:
     from .scene import Scene
 
 _LOOK_SECONDS = .02  # how often a waiting thread looks for signals
-
-
-def _pass_on_log() -> None:
-    """Gives what C++ logged to the logger "tessera"."""
-    told = _core.take_log()
-    if not told:
-        return
-    import logging
-    for level, message in told:
-        logging.getLogger("tessera").log(max(level, 1) * 10, message)
-
-
-TileCallback = Callable[[Rect, Image], object]
 
 
 class Task(OfThisProcess):
@@ -49,11 +37,12 @@ class Task(OfThisProcess):
     As a context manager it is cancelled at the end of the block, if it is not done by then.
     """
 
-    __slots__ = ("_task", "_scene", "_farm", "_owns_farm")
+    __slots__ = ("_task", "_scene", "_farm", "_owns_farm", "_callbacks")
 
     def __init__(self, task: _core.Task, scene: Union[Scene, str], farm: BaseFarm,
-                 owns_farm: bool) -> None:
+                 owns_farm: bool, callbacks: Callbacks) -> None:
         super().__init__()
+        self._callbacks = callbacks
         self._scene = scene
         self._task = task
         self._farm = farm
@@ -82,24 +71,40 @@ class Task(OfThisProcess):
         return None if picture is None else Image._of(picture)
 
     def result(self, timeout: Optional[float] = None) -> Image:
-        """Waits for the picture.
+        """Waits for the picture, and calls `progress` and `on_tile` of `render` meanwhile.
 
         Raises TimeoutError after `timeout` seconds (the render goes on), Cancelled after `cancel()`,
         and what the render failed with. KeyboardInterrupt cancels it, and is raised once all of ours
         has ended.
         """
         self._check_process()
-        end = None if timeout is None else time.monotonic() + timeout
+        end = None if timeout is None else time.monotonic() + seconds("timeout", timeout)
         try:
-            while not self._task.wait(_LOOK_SECONDS):
-                if end is not None and time.monotonic() >= end:
-                    raise TimeoutError(f"the picture is not done after {timeout} s")
-        except TimeoutError:
-            raise
+            is_done = self._task.wait(_LOOK_SECONDS)
+            while not (is_done or (end is not None and time.monotonic() >= end)):
+                self._callbacks.tell(self)
+                self._check_process()  # which a callback may have forked
+                is_done = self._task.wait(_LOOK_SECONDS)
+            if is_done:
+                self._callbacks.tell(self)
+                self._callbacks.end()
+            else:
+                self._callbacks.pause()
         except BaseException:
-            self._end()
+            self._abandon()
             raise
+        if not is_done:
+            raise TimeoutError(f"the picture is not done after {timeout} s")
         return self._finish()
+
+    def _abandon(self) -> None:
+        """Cancels it and waits for its end, but in a forked child. Its picture is dropped."""
+        try:
+            if os.getpid() == self._process:
+                self._task.abandon()
+                self._end()
+        finally:
+            self._callbacks.end()
 
     def _end(self) -> None:
         """Cancels, and waits until nothing of it runs."""
@@ -112,31 +117,35 @@ class Task(OfThisProcess):
     def _finish(self) -> Image:
         if self._owns_farm:
             self._farm.close()
-        _pass_on_log()
+        pass_on_log()
         picture = self._task.picture()
         image = None if picture is None else Image._of(picture)
         try:
-            self._task.throw_failure()
-        except SceneError as error:
-            if isinstance(self._scene, str):
-                raise
-            raise located(self._scene, error) from None
+            with located_errors(self._scene):
+                self._task.throw_failure()
+        except SceneError:
+            raise
         except Error as error:
             raise with_picture(error, image) from None
         for warning in self._task.warnings():
-            _warnings.warn(warning, SceneWarning, stacklevel=3)
+            _warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
         assert image is not None
         return image
 
     def __iter__(self) -> Iterator[Progress]:
-        """Yields the progress every .1 s while it changes, and at the end."""
+        """Yields the progress every .1 s while it changes, and at the end. Ctrl-C while it waits
+        for the next cancels the render; to leave the loop, by whatever way, does not."""
         self._check_process()
         last = None
-        while not self._task.wait(SHOW_SECONDS):
-            now = self.progress
-            if now != last:
-                yield now
-            last = now
+        try:
+            while not self._task.wait(SHOW_SECONDS):
+                now = self.progress
+                if now != last:
+                    yield now
+                last = now
+        except KeyboardInterrupt:
+            self._abandon()
+            raise
         yield self.progress
 
     async def __aiter__(self) -> AsyncIterator[Progress]:
@@ -156,12 +165,21 @@ class Task(OfThisProcess):
         import asyncio  # here: it takes longer to import than all of ours
         try:
             while not self.done():
+                self._callbacks.tell(self)
                 await asyncio.sleep(_LOOK_SECONDS)
-        except asyncio.CancelledError:
-            self.cancel()
-            if self._owns_farm:
-                await asyncio.get_running_loop().run_in_executor(None, self._end)
+            self._callbacks.tell(self)
+            self._callbacks.end()
+        except (asyncio.CancelledError, Exception):
+            try:
+                self._check_process()
+                self.cancel()
+                if self._owns_farm:
+                    await asyncio.get_running_loop().run_in_executor(None, self._end)
+            finally:
+                self._callbacks.end()
             raise
+        if self._owns_farm:  # its workers end meanwhile, and the loop goes on
+            await asyncio.get_running_loop().run_in_executor(None, self._farm.close)
         return self._finish()
 
     def show(self) -> Image:
@@ -181,17 +199,26 @@ class Task(OfThisProcess):
         return self.result()
 
     def __enter__(self) -> "Task":
+        self._check_process()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._end()
+        if os.getpid() == self._process:
+            self._end()
 
     def __del__(self) -> None:
-        if getattr(self, "_owns_farm", False) and os.getpid() == self._process:
-            self._task.cancel()
-            self._farm.close()
+        # Nobody can have its picture.
+        if hasattr(self, "_owns_farm") and os.getpid() == self._process:
+            self._task.abandon()
+            if self._owns_farm:
+                self._farm.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("Task cannot be copied or pickled: it belongs to its process")
 
     def __repr__(self) -> str:
+        if os.getpid() != self._process:
+            return f"<Task of process {self._process}>"
         state = "done" if self._task.is_done() else "running"
         return f"<Task {state}, {self.progress.done} of {self.progress.total} tiles>"
 
@@ -204,6 +231,13 @@ def with_picture(error: Error, image: Optional[Image]) -> Error:
     return error
 
 
+_IN_PYTHON = (("WIDTHxHEIGHT", "(width, height)"), ("1920x1080", "(1920, 1080)"),
+              ("X0,Y0,X1,Y1", "(x0, y0, x1, y1)"), ("0,0,64,64", "(0, 0, 64, 64)"),
+              ("X0 < X1 and 0 <= Y0 < Y1", "x0 < x1 and 0 <= y0 < y1"),
+              ("FIRST-LAST with 0 <= FIRST <= LAST", "(first, last) with 0 <= first <= last"),
+              ("such as 0-23", "such as (0, 23)"), ("expected true or false", "expected True or False"))
+
+
 def core_options(keywords: dict[str, Any], of_jobs: bool = False) -> _core.Options:
     """Keywords as the options of `tessera render`, or of `tessera submit`."""
     options = _core.Options(of_jobs)
@@ -211,22 +245,26 @@ def core_options(keywords: dict[str, Any], of_jobs: bool = False) -> _core.Optio
         try:
             options.assign(option, text)
         except UsageError as error:
-            # What was given, where the text is ours.
+            # What was given, where the text is ours, and what is expected as Python has it.
             given = keywords[option.replace("-", "_")]
-            raise UsageError(error.message.replace(f"'{text}'", repr(given))) from None
+            typed = str(text).lower() if isinstance(text, bool) else text
+            message = error.message.replace(f"'{typed}'", repr(given), 1)
+            for of_command_line, of_python in _IN_PYTHON:
+                message = message.replace(of_command_line, of_python)
+            raise UsageError(message) from None
     return options
 
 
-def checked_scene(scene: Union[Scene, Path]) -> Union[Scene, str]:
+def checked_scene(scene: Union[Scene, Path], keyword: str = "scene") -> Union[Scene, str]:
     """A Scene, or the path of a file that is there."""
     if isinstance(scene, os.PathLike):
         scene = os.fspath(scene)
     if isinstance(scene, str):
-        scene = plain_text("scene", scene)
+        scene = named_text(keyword, scene)
         if not os.path.exists(scene):
             raise MissingFile.of(scene, "a scene")
     if not isinstance(scene, (str, _messages.Scene)):
-        raise TypeError(f"scene: {scene!r:.100}; expected a Scene or the path of a file")
+        raise TypeError(f"{keyword}: {scene!r:.100}; expected a Scene or the path of a file")
     return scene
 
 
@@ -242,15 +280,16 @@ def _keep_tiles(options: Any, resume: Any, scene: Any, farm: Optional[BaseFarm])
     if resume is not True and not isinstance(resume, (str, os.PathLike)):
         raise TypeError(f"resume: {resume!r}; expected True or the path of the picture")
     picture = os.path.splitext(os.path.basename(scene))[0] + ".png" if resume is True else resume
-    options.assign("output", os.path.abspath(plain_text("resume", picture)))
+    options.assign("output", os.path.abspath(named_text("resume", picture)))
     options.assign("resume", True)
 
 
-def started_farm(workers: Optional[int], threads: Optional[int], verify: Optional[float]) -> BaseFarm:
+def started_farm(workers: Optional[int], threads: Optional[int], verify: Union[None, float, str]) -> BaseFarm:
     """Who traces where no farm is given."""
-    share = 0 if verify is None else verify
+    workers = None if workers is None else whole_count("workers", workers, least=0)
+    share = fraction_text("verify", 0 if verify is None else verify)
     if workers == 0:
-        _core.share_verified(str(share), workers)
+        _core.share_verified(share, workers)
         return Threads(None if threads is None else whole_count("threads", threads))
     return LocalFarm(workers, 1 if threads is None else threads, share)
 
@@ -261,14 +300,15 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
            pattern: Optional[Pattern] = None, seed: Optional[int] = None,
-           integrator: Optional[Integrator] = None, accel: Optional[Accelerator] = None,
+           integrator: Optional[Integrator] = None, max_depth: Optional[int] = None,
+           shadows: Optional[Shadows] = None, accel: Optional[Accelerator] = None,
            aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
            frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
            assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
            x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
-           verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           verify: Union[None, float, str] = None, farm: Optional[BaseFarm] = None,
            resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: Literal[True] = True) -> Image: ...
@@ -278,14 +318,15 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
            pattern: Optional[Pattern] = None, seed: Optional[int] = None,
-           integrator: Optional[Integrator] = None, accel: Optional[Accelerator] = None,
+           integrator: Optional[Integrator] = None, max_depth: Optional[int] = None,
+           shadows: Optional[Shadows] = None, accel: Optional[Accelerator] = None,
            aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
            frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
            assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
            x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
-           verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           verify: Union[None, float, str] = None, farm: Optional[BaseFarm] = None,
            resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: Literal[False]) -> Task: ...
@@ -294,21 +335,22 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
            pattern: Optional[Pattern] = None, seed: Optional[int] = None,
-           integrator: Optional[Integrator] = None, accel: Optional[Accelerator] = None,
+           integrator: Optional[Integrator] = None, max_depth: Optional[int] = None,
+           shadows: Optional[Shadows] = None, accel: Optional[Accelerator] = None,
            aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
            frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
            assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
            x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
-           verify: Optional[float] = None, farm: Optional[BaseFarm] = None,
+           verify: Union[None, float, str] = None, farm: Optional[BaseFarm] = None,
            resume: Union[None, bool, Path] = None,
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: bool = True, **unknown: NoReturn) -> Union[Image, Task]:
     """Renders a scene, or the scene in a file, to a picture: the bits of `tessera render`.
 
-    The keywords are the long options of `tessera render`, with _ for -; `tessera help render` says
-    what each does. Beside them:
+    The keywords are those long options of `tessera render` that say what to trace and who does, with _
+    for -; `tessera help render` says what each does. Beside them:
 
     :param frame: the number of an animation's frame; `time` is the instant by itself.
     :param farm: who traces: a LocalFarm, Threads or Farm that is kept. Left out: worker processes on
@@ -316,21 +358,24 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     :param resume: the path that the picture is to have. Finished tiles are kept beside it, in
         PATH.tiles, until the render is done, and it goes on from those that an interrupted one has
         left there. True: NAME.png in the current folder, of a scene in a file.
-    :param progress: True for a bar (tqdm where it is installed, else text on a terminal), a function
+    :param progress: True for a bar (of tqdm or rich where installed, else a terminal's text), a function
         that takes a Progress, or an object like tqdm's.
     :param on_tile: called with the Rect of each tile that becomes done, and the picture so far.
     :param wait: False returns a Task at once.
 
-    Raises SceneError, UsageError, RenderError or FarmError. Callbacks are called on this thread; an
-    exception in one cancels the render and is raised from here.
+    Raises SceneError, UsageError, RenderError or FarmError. Callbacks are called on the thread that
+    waits, here or in `Task.result`; an exception in one cancels the render and is raised from there.
     """
     keywords = {name: value for name, value in locals().items() if name not in _OF_PYTHON}
     if unknown:
-        refuse_unknown("render", unknown, [*keywords, *sorted(_OF_PYTHON)])
+        refuse_unknown("render", unknown, [*keywords, *sorted(_OF_PYTHON - {"unknown"})])
     if farm is not None and not isinstance(farm, BaseFarm):
         raise TypeError(f"farm: {farm!r}; expected a LocalFarm, Threads or Farm")
-    if farm is not None and (workers is not None or threads is not None or verify is not None):
-        raise UsageError("workers, threads, verify: cannot be chosen with farm, which has its own")
+    given = {"workers": workers, "threads": threads, "verify": verify or None}
+    chosen = [name for name, value in given.items() if value is not None]
+    if farm is not None and chosen:
+        raise UsageError(f"{', '.join(chosen)}: cannot be chosen with farm, which has its own")
+    waits, callbacks = boolean("wait", wait), Callbacks(progress, on_tile)
     scene = checked_scene(scene)
     options = core_options(keywords)
     _keep_tiles(options, resume, scene, farm)
@@ -339,49 +384,21 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
     owns_farm = farm is None
     who = started_farm(workers, threads, verify) if farm is None else farm
     try:
-        core, told = _core.make_task(options, scene, None if frame is None else whole("frame", frame))
+        with located_errors(scene):
+            core, told = _core.make_task(options, scene,
+                                         None if frame is None else frame_number("frame", frame))
         for warning in told:
             _warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
-        if on_tile is not None or not wait:
+        if callbacks.wants_tiles() or not waits:
             core.keep_tiles()
         who._submit(core)
     except BaseException:
         if owns_farm:
             who.close()
         raise
-    task = Task(core, scene, who, owns_farm)
-    if not wait:
-        return task
-    if progress is None and on_tile is None:
-        return task.result()
-    return _watched(task, progress, on_tile)
+    task = Task(core, scene, who, owns_farm, callbacks)
+    return task.result() if waits else task
 
 
 _OF_PYTHON = {"scene", "unknown", "frame", "farm", "resume", "progress", "on_tile", "wait",
               "workers", "threads", "verify"}
-
-
-def _watched(task: Task, progress: ProgressOption, on_tile: Optional[TileCallback]) -> Image:
-    """Waits for the task, telling how far it is."""
-    show = progress_display(progress)
-
-    def tell_tiles() -> None:
-        tiles = task._task.take_tiles() if on_tile is not None else ()
-        if tiles and on_tile is not None:
-            so_far = task.snapshot()
-            assert so_far is not None
-            for tile in tiles:
-                on_tile(Rect(*tile), so_far)
-
-    try:
-        while not task._task.wait(_LOOK_SECONDS):
-            show(task.progress)
-            tell_tiles()
-        show(task.progress)
-        tell_tiles()
-    except BaseException:
-        task._end()
-        raise
-    finally:
-        show(None)
-    return task.result()

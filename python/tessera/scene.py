@@ -1,6 +1,7 @@
 """Scenes: everything that a picture is made of."""
 from __future__ import annotations
 
+import copy
 import json
 from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List, NamedTuple, NoReturn,
                     Optional, Sequence, Tuple, Type, TypeVar, Union, overload)
@@ -9,19 +10,20 @@ from . import _core, _messages, rendering
 from ._graph import Instances, flat, with_material
 from ._html import table
 from ._local_farms import BaseFarm
+from ._log import logged_at_end
 from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSettingsShadows, Light,
                         Material, Metadata, Object, Output, OutputQuantization, OutputToneMap,
                         OutputTransfer, Sampling, SamplingFilter, SamplingPattern, Settings, Shape,
                         Texture)
 from ._nodes import Node
-from ._progress import ProgressOption
-from ._options import file_name, whole
-from ._places import located
+from ._progress import ProgressOption, TileCallback
+from ._options import file_name, folder_text, frame_number
+from ._places import located_errors
 from ._placing import everything_in
 from ._transforms import Transform
 from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
-                     Size, TransformsLike)
-from ._value import Value, here, nearest, refuse_unknown, with_article, words_of
+                     Shadows, Size, TransformsLike)
+from ._value import Value, here, nearest, refuse_unknown, several, tells_unknown, with_article, words_of
 from ._view import Background, Camera
 from .errors import SceneError, UsageError
 from .picture import Image
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 V = TypeVar("V", bound=Value)
+Corner = Tuple[float, float, float]
 
 
 class Summary(NamedTuple):
@@ -42,6 +45,9 @@ class Summary(NamedTuple):
     """What is defined and never used."""
     undefined: List[str]
     """What is used and never defined."""
+    bounds: Optional[Tuple[Corner, Corner]]
+    """The least and the largest corner around every surface, at the scene's instant. None where there
+    is no surface, or where a render would refuse the scene."""
 
 
 class _Setting(Generic[T]):
@@ -65,6 +71,9 @@ class _Setting(Generic[T]):
         return None if owner is None else getattr(owner, self._field)
 
     def __set__(self, scene: Scene, value: Optional[T]) -> None:
+        if value is None:
+            self._take_back(scene)
+            return
         if scene.settings is None:
             scene.settings = Settings()
         owner: Any = scene.settings
@@ -73,7 +82,27 @@ class _Setting(Generic[T]):
                 setattr(owner, self._part, self._made())
             owner = getattr(owner, self._part)
         held: Any = value
-        setattr(owner, self._field, list(held) if self._field == "response" else held)
+        if self._field == "response":
+            if callable(held):
+                raise TypeError("response: a function; expected (a, b, c) of a x^2 + b x + c; any "
+                                "function is for Image.apply")
+            held = several(held, "response")
+        setattr(owner, self._field, held)
+
+    def __delete__(self, scene: Scene) -> None:
+        self._take_back(scene)
+
+    def _take_back(self, scene: Scene) -> None:
+        """Sets it to None, and with it the parts that held nothing else."""
+        settings = scene.settings
+        owner = getattr(settings, self._part) if settings is not None and self._part else settings
+        if owner is None:
+            return
+        setattr(owner, self._field, None)
+        if self._part and owner == self._made():
+            setattr(settings, self._part, None)
+        if settings == Settings():
+            scene.settings = None
 
 
 class _BackgroundField:
@@ -152,8 +181,13 @@ class Scene(_messages.Scene):
                  nodes: Optional[Iterable[NodeLike]] = None,
                  includes: Optional[Iterable[Include]] = None, **unknown: NoReturn) -> None:
         flat_settings = {name: value for name, value in locals().items() if name in _SETTINGS}
-        super().__init__(metadata, settings, cameras, None, fog, materials, textures, objects, nodes,
-                         includes, **unknown)
+        if camera is not None and cameras is not None:
+            raise TypeError("camera beside cameras; expected one of them")
+        if settings is not None and (frames is not None or any(v is not None for v in flat_settings.values())):
+            settings = copy.deepcopy(settings)
+        super().__init__(metadata=metadata, settings=settings, cameras=cameras, fog=fog,
+                         materials=materials, textures=textures, objects=objects, nodes=nodes,
+                         includes=includes, **unknown)
         self._place = here()
         for name, value in flat_settings.items():
             if value is not None:
@@ -161,7 +195,12 @@ class Scene(_messages.Scene):
         if frames is not None:
             if self.settings is None:
                 self.settings = Settings()
-            self.settings.frames = frames if isinstance(frames, Frames) else Frames(*frames)
+            if not isinstance(frames, Frames):
+                pair = several(frames, "frames", "Frames or (first, last)")
+                if len(pair) != 2:
+                    raise TypeError(f"frames: {frames!r:.100}; expected Frames or (first, last)")
+                frames = Frames(*pair)
+            self.settings.frames = frames
         if camera is not None:
             self.camera = camera
         if background is not None:
@@ -176,12 +215,13 @@ class Scene(_messages.Scene):
     def camera(self, camera: Optional[Camera]) -> None:
         self.cameras[:1] = [] if camera is None else [camera]
 
+    @tells_unknown
     def add(self, *things: PartsLike, transform: Optional[Transform] = None,
             material: Optional[Union[str, Material]] = None, name: Optional[str] = None) -> Node:
         """Puts shapes, lights, objects, nodes, other scenes or sequences of them below a new node.
 
-        :param material: of the shapes, in place of their own. Nodes, objects and scenes keep theirs,
-            so that they cannot be given one.
+        :param material: of the shapes, in place of their own: the node holds copies of them. Nodes,
+            objects and scenes keep theirs, so that they cannot be given one.
         :return: the node; a Node that is added by itself is returned as it is. One thing is its
             `shape`, `light` or `instance_of`, several are in nodes of their own, its `children`.
         """
@@ -199,10 +239,21 @@ class Scene(_messages.Scene):
         else:
             children = [self._node_of(with_material(leaf, material)) for leaf in leaves]
             node = Node(children=children, transform=transform, name=name)
+        self._take_definitions(leaves)
         self.nodes.append(node)
         return node
 
-    def _node_of(self, thing: Any) -> Node:
+    def _take_definitions(self, parts: Iterable[Any]) -> None:
+        """What nodes of other scenes name is from now on in this one."""
+        for other in parts:
+            if isinstance(other, _messages.Scene):
+                self.materials += other.materials
+                self.textures += other.textures
+                self.objects += other.objects
+                self.includes += other.includes
+
+    @staticmethod
+    def _node_of(thing: Any) -> Node:
         if isinstance(thing, Shape):
             return Node(shape=thing)
         if isinstance(thing, Light):
@@ -212,14 +263,11 @@ class Scene(_messages.Scene):
         if isinstance(thing, (Node, Instances)):
             return Node(children=[thing])
         if isinstance(thing, _messages.Scene):
-            self.materials += thing.materials
-            self.textures += thing.textures
-            self.objects += thing.objects
-            self.includes += thing.includes
             return Node(children=thing.nodes)
         raise TypeError(f"{with_article(thing)}; expected a Shape, Light, Node, Object, Scene or a "
                         "sequence of them")
 
+    @tells_unknown
     def instances(self, object: Union[str, PartsLike], transforms: TransformsLike, *,
                   names: Optional[Sequence[str]] = None,
                   material: Optional[Union[str, Material]] = None) -> Instances:
@@ -228,15 +276,20 @@ class Scene(_messages.Scene):
         :param transforms: an array (n, 3, 4) or (n, 4, 4), or a list of transforms.
         """
         added = Instances(object, transforms, names, material=material)
+        if not isinstance(object, str):
+            self._take_definitions(flat(object))
         self.nodes.append(added)
         return added
 
     def find(self, name: str, kind: Type[V] = Value) -> V:  # type: ignore[assignment]
         """The first part of that name and class: `scene.find("ivory", ts.Classic).diffuse = "red"`.
-        Finds cameras, materials, textures, objects, nodes, and what is in those."""
-        parts = [*self.cameras, *self.materials, *self.textures, *self.objects, *self.nodes]
+        Finds whatever of the scene has a name."""
+        if not isinstance(name, str):
+            raise TypeError(f"name: {name!r:.100}; expected text")
+        if not isinstance(kind, type):
+            raise TypeError(f"kind: {kind!r:.100}; expected a class")
         named: Dict[Any, V] = {}
-        for part in (part for top in parts for part in everything_in(top)):
+        for part in everything_in(self):
             if isinstance(part, kind) and getattr(part, "name", None):
                 named.setdefault(getattr(part, "name"), part)
         if name in named:
@@ -249,26 +302,36 @@ class Scene(_messages.Scene):
         """What names the scene: equal for equal scenes, whenever and wherever they are made."""
         return _core.digest(self)
 
-    def check(self) -> None:
+    @tells_unknown
+    def check(self, *, assets: Optional[Path] = None) -> None:
         """Raises SceneError for whatever of the scene a render would refuse, as it builds all that one
-        needs, and for names that are used and never defined."""
-        try:
-            _core.check(self)
-        except SceneError as error:
-            raise located(self, error) from None
-        undefined = self.info().undefined
+        needs, and for names that are used and never defined.
+
+        :param assets: where included files are, as of `render`.
+        """
+        with located_errors(self):
+            undefined = _core.check(self, folder_text(assets))
         if undefined and not self.includes:  # which may define it
             what, mark, hint = undefined[0].partition(";")
             raise SceneError(f"scene: {what} is not defined{mark}{hint}")
 
-    def info(self) -> Summary:
-        """Counts of what the scene holds, and names that are not used or not defined."""
-        return Summary(*_core.summary(self))
+    @tells_unknown
+    def info(self, *, assets: Optional[Path] = None) -> Summary:
+        """Counts of what the scene holds, names that are not used or not defined, and its bounds.
+
+        :param assets: where included files are, as of `render`.
+        """
+        with logged_at_end():
+            return Summary(*_core.summary(self, folder_text(assets)))
 
     def _repr_html_(self) -> str:
         summary = self.info()
-        rest = {"unused": summary.unused, "undefined": summary.undefined}
-        return table({**summary.counts, **{what: ", ".join(names) for what, names in rest.items() if names}})
+        rest = {"unused": ", ".join(summary.unused), "undefined": ", ".join(summary.undefined)}
+        if summary.bounds is not None:
+            # They are rounded outward: the least number beside 0 was 0.
+            rest["bounds"] = " to ".join(f"({', '.join(f'{x if abs(x) > 1e-300 else 0:.6g}' for x in corner)})"
+                                         for corner in summary.bounds)
+        return table({**summary.counts, **{what: text for what, text in rest.items() if text}})
 
     def save(self, path: Path) -> None:
         """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json."""
@@ -276,19 +339,22 @@ class Scene(_messages.Scene):
 
     def to_dict(self) -> Dict[str, Any]:
         """The scene in protobuf's JSON mapping, which `load_dict` reads."""
-        made: Dict[str, Any] = json.loads(_core.to_json(self))
+        # The hook does nothing, but calling it has Python look for Ctrl-C in between.
+        made: Dict[str, Any] = json.loads(_core.to_json(self), object_hook=lambda part: part)
         return made
 
+    @tells_unknown
     def tracer(self, *, time: Optional[float] = None, camera: Optional[str] = None,
                accel: Accelerator = "bvh", threads: Optional[int] = None,
-               geometry_only: bool = True) -> Tracer:
-        """What answers questions about rays; see `tessera.rays`."""
+               geometry_only: bool = True, assets: Optional[Path] = None) -> Tracer:
+        """What answers questions about rays; see `tessera.rays`.
+
+        :param assets: where included files are, as of `render`.
+        """
         from . import rays
-        try:
+        with located_errors(self):
             return rays.tracer_from_scene(self, time=time, camera=camera, accel=accel, threads=threads,
-                                          geometry_only=geometry_only)
-        except SceneError as error:
-            raise located(self, error) from None
+                                          geometry_only=geometry_only, assets=assets)
 
     render = rendering.render
 
@@ -298,14 +364,16 @@ class Scene(_messages.Scene):
                target_error: Optional[float] = None, min_spp: Optional[int] = None,
                filter: Optional[str] = None, pattern: Optional[Pattern] = None,
                seed: Optional[int] = None, integrator: Optional[Integrator] = None,
+               max_depth: Optional[int] = None, shadows: Optional[Shadows] = None,
                accel: Optional[Accelerator] = None, aovs: Aovs = (), denoise: bool = False,
+               place: Union[str, Sequence[str]] = (), assets: Optional[Path] = None,
                tile: Optional[int] = None, workers: Optional[int] = None,
-               threads: Optional[int] = None, verify: Optional[float] = None,
+               threads: Optional[int] = None, verify: Union[None, float, str] = None,
                farm: Optional[BaseFarm] = None, progress: ProgressOption = None,
-               on_tile: Optional[rendering.TileCallback] = None, **unknown: NoReturn,
+               on_tile: Optional[TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:
-        """Renders frames one after the other: pairs of number and picture. The options are those of
-        `render`. Without `farm` the same workers render all of them. Numbers left out are those of
+        """Renders frames one after the other: pairs of number and picture. The options mean what
+        those of `render` do. Without `farm` the same workers render all of them. Numbers left out are those of
         `settings.frames`, whose `per_second` tells at which time a frame is."""
         options = {name: value for name, value in locals().items()
                    if name not in ("self", "first", "last", "unknown")}
@@ -315,8 +383,8 @@ class Scene(_messages.Scene):
         if first is None and last is None and asked is None:
             raise UsageError("frames: the scene has none of its own; expected frames(first, last) or "
                              "Scene(frames=(first, last))")
-        begin = whole("first", first) if first is not None else (asked.first or 0) if asked else 0
-        end = whole("last", last) if last is not None else (asked.last or 0) if asked else begin
+        begin = frame_number("first", first) if first is not None else (asked.first or 0) if asked else 0
+        end = frame_number("last", last) if last is not None else (asked.last or 0) if asked else begin
         if end < begin:
             raise UsageError(f"first: {begin}; expected at most {end}, the last frame")
         return self._frames(range(begin, end + 1), options)

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "renderer/accel/ray_row.h"
+#include "renderer/accel/ray_batch.h"
 #include "renderer/math/bounds.h"
 #include "renderer/shapes/ray.h"
 #include "renderer/shapes/shape.h"
@@ -58,17 +58,25 @@ class Accelerator {
                             TraversalCounters& counters) const {
     for (size_t i = 0; i < rays.size(); ++i) closest_hit(rays[i], hits[i], counters);
   }
-  /// The same for the rays of a row, of which none has been hit: a hit each, at an infinite t where
-  /// there is none. As many hits as rays.
-  virtual void closest_hits(const RayRow& rays, std::span<Hit> hits,
+  /// The same for the rays of a batch, of which none has been hit: a hit each, at an infinite t
+  /// where there is none. As many hits as rays.
+  virtual void closest_hits(const RayBatch& rays, std::span<Hit> hits,
                             TraversalCounters& counters) const {
     for (size_t i = 0; i < rays.count; ++i) {
       hits[i] = {};
       closest_hit(rays.ray(i), hits[i], counters);
     }
   }
-  /// any_hit for the rays of a row, a bit each.
-  virtual uint64_t any_hits(const RayRow& rays, TraversalCounters& counters) const {
+  /// any_hit for at most 64 rays, a bit each.
+  virtual uint64_t any_hits(std::span<const Ray> rays, TraversalCounters& counters) const {
+    uint64_t hit = 0;
+    for (size_t i = 0; i < rays.size(); ++i) hit |= uint64_t{any_hit(rays[i], counters)} << i;
+    return hit;
+  }
+  /// Whether the calls for many rays are faster than a call a ray where they go much the same way.
+  virtual bool takes_batches() const { return false; }
+  /// any_hit for the rays of a batch, a bit each.
+  virtual uint64_t any_hits(const RayBatch& rays, TraversalCounters& counters) const {
     uint64_t hit = 0;
     for (size_t i = 0; i < rays.count; ++i) hit |= uint64_t{any_hit(rays.ray(i), counters)} << i;
     return hit;

@@ -26,8 +26,11 @@ class MeshBvh final : public Accelerator {
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
     return any_(tree_, ray, counters);
   }
+  using Accelerator::any_hits, Accelerator::closest_hits;
   void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
                     TraversalCounters& counters) const override;
+  uint64_t any_hits(std::span<const Ray> rays, TraversalCounters& counters) const override;
+  bool takes_batches() const override { return true; }
   void all_hits(const Ray& ray, std::vector<Hit>& hits,
                 TraversalCounters& counters) const override {
     all_(tree_, ray, hits, counters);
@@ -39,7 +42,8 @@ class MeshBvh final : public Accelerator {
   decltype(BvhKernels::mesh_closest) closest_;
   decltype(BvhKernels::mesh_any) any_;
   decltype(BvhKernels::mesh_all) all_;
-  decltype(BvhKernels::mesh_packet) packet_;
+  decltype(BvhKernels::mesh_closest_packet) closest_packet_;
+  decltype(BvhKernels::mesh_any_packet) any_packet_;
   AcceleratorStatistics statistics_;
 };
 
@@ -60,6 +64,11 @@ class InstanceBvh final : public Accelerator {
     return any_(tree_, ray, instance, counters);
   }
   bool takes_guesses() const override { return true; }
+  using Accelerator::any_hits, Accelerator::closest_hits;
+  void closest_hits(const RayBatch& rays, std::span<Hit> hits,
+                    TraversalCounters& counters) const override;
+  uint64_t any_hits(const RayBatch& rays, TraversalCounters& counters) const override;
+  bool takes_batches() const override { return takes_batches_; }
   void all_hits(const Ray& ray, std::vector<Hit>& hits,
                 TraversalCounters& counters) const override {
     all_(tree_, ray, hits, counters);
@@ -67,11 +76,18 @@ class InstanceBvh final : public Accelerator {
   AcceleratorStatistics statistics() const override { return statistics_; }
 
  private:
+  bool takes_batch(const RayBatch& rays) const {
+    return takes_batches_ && are_coherent(rays, double{tree_.tree.extent});
+  }
+
   InstanceTree tree_;
+  bool takes_batches_;
   Bounds3 bounds_;
   decltype(BvhKernels::instance_closest) closest_;
   decltype(BvhKernels::instance_any) any_;
   decltype(BvhKernels::instance_all) all_;
+  decltype(BvhKernels::instance_closest_packet) closest_packet_;
+  decltype(BvhKernels::instance_any_packet) any_packet_;
   AcceleratorStatistics statistics_;
 };
 

@@ -19,11 +19,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "renderer/accel/box_row-inl.h"
-#include "renderer/accel/few_rows-inl.h"
+#include "renderer/accel/box_soa-inl.h"
+#include "renderer/accel/instance_soa-inl.h"
 #include "renderer/accel/packet-inl.h"
-#include "renderer/accel/plane_row-inl.h"
-#include "renderer/accel/rectangle_row-inl.h"
+#include "renderer/accel/plane_soa-inl.h"
+#include "renderer/accel/rectangle_soa-inl.h"
 #include "renderer/accel/test_triangles-inl.h"
 #include "renderer/accel/traverse-inl.h"
 
@@ -51,9 +51,9 @@ HWY_NOINLINE bool mesh_any_in_double(const MeshTree& mesh, const TriangleRay& ra
                                      const RayFrame& frame, TraversalCounters& counters) {
   const TriangleTester tester(mesh, ray);
   BoxRay<double> box_ray = make_box_ray<double>(frame);
-  return any_in_tree<true>(mesh.tree, box_ray, counters.node_visits, [&](uint32_t leaf) HWY_ATTR {
-    return tester.any(leaf, counters.primitive_tests);
-  });
+  return any_in_tree<true>(mesh.tree, box_ray, box_ray.t_max, counters.node_visits,
+                           [&](uint32_t leaf)
+                               HWY_ATTR { return tester.any(leaf, counters.primitive_tests); });
 }
 
 /// How the box test of a ray is set up; `wide`: single precision cannot hold it.
@@ -91,13 +91,13 @@ HWY_NOINLINE bool test_line(const MeshTree& mesh, const Ray& ray, uint64_t& visi
   line.t_max = Bounds3::kInfinity;
   BoxRay<float> box_ray;
   if (make_usual_box_ray(line, line.t_max, mesh.tree.usual_extent, box_ray))
-    return any_in_tree<true>(mesh.tree, box_ray, visits, leaf);
+    return any_in_tree<true>(mesh.tree, box_ray, box_ray.t_max, visits, leaf);
   line.t_min = -Bounds3::kInfinity;
   const RayFrame frame =
       make_ray_frame(line, line.t_max, mesh.bounds, double{mesh.tree.extent}, mesh.tree.margin);
   if (frame.misses) return false;
   BoxRay<double> wide_ray = make_box_ray<double>(frame);
-  return any_in_tree<true>(mesh.tree, wide_ray, visits, leaf);
+  return any_in_tree<true>(mesh.tree, wide_ray, wide_ray.t_max, visits, leaf);
 }
 
 bool mesh_closest(const MeshTree& mesh, const Ray& ray, Hit& hit, TraversalCounters& counters) {
@@ -161,7 +161,7 @@ bool mesh_any(const MeshTree& mesh, const Ray& ray, TraversalCounters& counters)
   const TriangleTester tester(mesh, prepared);
   TraversalCounters done;
   const bool found = any_in_tree<true>(
-      mesh.tree, box_ray,
+      mesh.tree, box_ray, box_ray.t_max,
       done.node_visits, [&](uint32_t leaf) HWY_ATTR __attribute__((always_inline)) {
         return tester.any(leaf, done.primitive_tests);
       });
@@ -281,9 +281,9 @@ bool instance_any(const InstanceTree& scene, const Ray& ray, uint32_t& first,
   if (setup == Setup::misses) return false;
   if (setup == Setup::wide) [[unlikely]] {
     BoxRay<double> wide_ray = make_box_ray<double>(frame);
-    return any_in_tree<false>(scene.tree, wide_ray, counters.node_visits, test);
+    return any_in_tree<false>(scene.tree, wide_ray, wide_ray.t_max, counters.node_visits, test);
   }
-  return any_in_tree<false>(scene.tree, box_ray, counters.node_visits, test);
+  return any_in_tree<false>(scene.tree, box_ray, box_ray.t_max, counters.node_visits, test);
 }
 
 void instance_all(const InstanceTree& scene, const Ray& ray, std::vector<Hit>& hits,
@@ -306,17 +306,31 @@ void instance_all(const InstanceTree& scene, const Ray& ray, std::vector<Hit>& h
   if (setup == Setup::misses) return;
   if (setup == Setup::wide) [[unlikely]] {
     BoxRay<double> wide_ray = make_box_ray<double>(frame);
-    any_in_tree<false>(scene.tree, wide_ray, counters.node_visits, collect);
+    any_in_tree<false>(scene.tree, wide_ray, wide_ray.t_max, counters.node_visits, collect);
     return;
   }
-  any_in_tree<false>(scene.tree, box_ray, counters.node_visits, collect);
+  any_in_tree<false>(scene.tree, box_ray, box_ray.t_max, counters.node_visits, collect);
 }
 
 BvhKernels kernels_of_target() {
-  return {
-      mesh_closest,  mesh_any,       mesh_all,         mesh_packet,  leaf_closest,
-      leaf_any,      leaf_all,       instance_closest, instance_any, instance_all,
-      boxes_entered, rectangles_met, planes_met,       row_met,      hwy::TargetName(HWY_TARGET)};
+  return {mesh_closest,
+          mesh_any,
+          mesh_all,
+          mesh_closest_packet,
+          mesh_any_packet,
+          leaf_closest,
+          leaf_any,
+          leaf_all,
+          instance_closest,
+          instance_any,
+          instance_all,
+          instance_closest_packet,
+          instance_any_packet,
+          boxes_entered,
+          rectangles_met,
+          planes_met,
+          intersect_batch,
+          hwy::TargetName(HWY_TARGET)};
 }
 
 }  // namespace HWY_NAMESPACE

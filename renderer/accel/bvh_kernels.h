@@ -3,12 +3,12 @@
 #include <span>
 #include <vector>
 
-#include "renderer/accel/box_row.h"
-#include "renderer/accel/few_rows.h"
+#include "renderer/accel/box_soa.h"
 #include "renderer/accel/instance.h"
-#include "renderer/accel/plane_row.h"
-#include "renderer/accel/ray_row.h"
-#include "renderer/accel/rectangle_row.h"
+#include "renderer/accel/instance_soa.h"
+#include "renderer/accel/plane_soa.h"
+#include "renderer/accel/ray_batch.h"
+#include "renderer/accel/rectangle_soa.h"
 #include "renderer/accel/spatial_splits.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/accel/wide_tree.h"
@@ -56,7 +56,10 @@ struct BvhKernels {
   void (*mesh_all)(const MeshTree&, const Ray&, std::vector<Hit>&, TraversalCounters&);
   /// mesh_closest for each of up to kPacketSize rays that go much the same way; false, with nothing
   /// done, where they do not or cannot be traced together.
-  bool (*mesh_packet)(const MeshTree&, std::span<const Ray>, std::span<Hit>, TraversalCounters&);
+  bool (*mesh_closest_packet)(const MeshTree&, std::span<const Ray>, std::span<Hit>,
+                              TraversalCounters&);
+  /// mesh_any of such rays, a bit each into `hit`.
+  bool (*mesh_any_packet)(const MeshTree&, std::span<const Ray>, uint32_t& hit, TraversalCounters&);
   /// The exact test of the leaf that begins at unit `leaf`, for a valid ray.
   bool (*leaf_closest)(const MeshTree&, uint32_t leaf, const TriangleRay&, Hit&,
                        TraversalCounters&);
@@ -68,18 +71,24 @@ struct BvhKernels {
   bool (*instance_any)(const InstanceTree&, const Ray&, uint32_t& first, TraversalCounters&);
   /// Appends all hits, some perhaps twice.
   void (*instance_all)(const InstanceTree&, const Ray&, std::vector<Hit>&, TraversalCounters&);
-  /// Which boxes of the row the ray may hit something in before `t_max`, a bit each, and lower
-  /// bounds of t there, as many as row.count. For a ray that can_hit().
-  uint32_t (*boxes_entered)(const BoxRow& row, const Ray& ray, double t_max, double* entered);
-  /// The same of rectangles.
-  RectanglesMet (*rectangles_met)(const RectangleRow& row, const Ray& ray, double t_max,
+  /// As those of meshes.
+  bool (*instance_closest_packet)(const InstanceTree&, std::span<const Ray>, std::span<Hit>,
+                                  TraversalCounters&);
+  bool (*instance_any_packet)(const InstanceTree&, std::span<const Ray>, uint32_t& hit,
+                              TraversalCounters&);
+  /// Which of `boxes` the ray may enter before `t_max`, a bit each, and lower bounds of t there, as
+  /// many as boxes.count. For a ray that can_hit().
+  uint32_t (*boxes_entered)(const BoxSoA& boxes, const Ray& ray, double t_max, double* entered);
+  /// Which of `rectangles` the ray may hit before `t_max`, and lower bounds of t there.
+  RectanglesMet (*rectangles_met)(const RectangleSoA& rectangles, const Ray& ray, double t_max,
                                   double* entered);
-  /// Which planes of the row the ray meets at t <= `limit`, a bit each, and t, as many as
-  /// row.count rounded up to four; ray.cull does not count.
-  uint32_t (*planes_met)(const PlaneRow& row, const Ray& ray, double limit, double* t);
+  /// Which of `planes` the ray meets at t <= `limit`, a bit each, and t, as many as planes.count
+  /// rounded up to four; ray.cull does not count.
+  uint32_t (*planes_met)(const PlaneSoA& planes, const Ray& ray, double limit, double* t);
   /// What each of the rays meets of what can be held against many at once, and the boxes that it
   /// may hit something in before.
-  void (*row_met)(const FewRows& few, const RayRow& rays, bool only_shading, RayRowMet& met);
+  void (*intersect_batch)(const InstanceSoA& few, const RayBatch& rays, bool only_shading,
+                          BatchHits& met);
   const char* name;
 };
 

@@ -28,13 +28,13 @@ struct CarvedBoxMet {
 /// all spheres it is a hit, and where both are inside of one sphere there is none.
 HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& origin,
                                         const Lanes3& direction, Lanes last) {
-  const Lanes margin = all(CarvedBox::kDoubt), zero = hn::Zero(kLaneTag);
+  const Lanes margin = broadcast(CarvedBox::kDoubt), zero = hn::Zero(kLaneTag);
   const Lanes from = sum(abs(origin)), along = sum(abs(direction));
-  Lanes enter = all(-1e300), leave = all(1e300), flattest = zero;
+  Lanes enter = broadcast(-1e300), leave = broadcast(1e300), flattest = zero;
   const auto narrow = [&](double min, double max, Lanes o, Lanes d) HWY_ATTR {
     const Lanes inverse = inverse_of(d);
-    const Lanes a = hn::Mul(hn::Sub(all(min), o), inverse);
-    const Lanes b = hn::Mul(hn::Sub(all(max), o), inverse);
+    const Lanes a = hn::Mul(hn::Sub(broadcast(min), o), inverse);
+    const Lanes b = hn::Mul(hn::Sub(broadcast(max), o), inverse);
     enter = hn::Max(enter, hn::Min(a, b));
     leave = hn::Min(leave, hn::Max(a, b));
     flattest = hn::Max(flattest, hn::Abs(inverse));
@@ -54,9 +54,9 @@ HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& o
   const Lanes3 first_end = add(origin, multiply(direction, enter));
   const Lanes3 last_end = add(origin, multiply(direction, leave));
   for (const CarvedBox::Hole& hole : carved.holes) {
-    const Lanes radius = all(hole.radius);
+    const Lanes radius = broadcast(hole.radius);
     const auto is_inside = [&](const Lanes3& point, Lanes by, LaneMask& outside) HWY_ATTR {
-      const Lanes3 v = subtract(point, all(hole.center));
+      const Lanes3 v = subtract(point, broadcast(hole.center));
       const Lanes squared = dot(v, v), outer = hn::Add(radius, by), inner = hn::Sub(radius, by);
       outside = hn::And(outside, hn::Gt(squared, hn::Mul(outer, outer)));
       return hn::And(hn::Gt(inner, zero), hn::Lt(squared, hn::Mul(inner, inner)));

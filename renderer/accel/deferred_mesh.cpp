@@ -75,6 +75,22 @@ bool DeferredMesh::any_hit(const Ray& ray, TraversalCounters& counters) const {
   return accelerator && accelerator->any_hit(ray, counters);
 }
 
+void DeferredMesh::closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
+                                TraversalCounters& counters) const {
+  const Accelerator* const built = built_.load(std::memory_order_acquire);
+  if (built) return built->closest_hits(rays, hits, counters);
+  Accelerator::closest_hits(rays, hits, counters);
+}
+
+uint64_t DeferredMesh::any_hits(std::span<const Ray> rays, TraversalCounters& counters) const {
+  const Accelerator* const built = built_.load(std::memory_order_acquire);
+  return built ? built->any_hits(rays, counters) : Accelerator::any_hits(rays, counters);
+}
+
+bool DeferredMesh::takes_batches() const {
+  return kind_ == AcceleratorKind::bvh || kind_ == AcceleratorKind::bvh_splits;
+}
+
 void DeferredMesh::all_hits(const Ray& ray, std::vector<Hit>& hits,
                             TraversalCounters& counters) const {
   if (const Accelerator* accelerator = accelerator_for(ray))

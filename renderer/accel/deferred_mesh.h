@@ -27,6 +27,11 @@ class DeferredMesh final : public Accelerator {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
+  using Accelerator::any_hits, Accelerator::closest_hits;
+  void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
+                    TraversalCounters& counters) const override;
+  uint64_t any_hits(std::span<const Ray> rays, TraversalCounters& counters) const override;
+  bool takes_batches() const override;
   void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
   /// Of the accelerator, once it is built.
   AcceleratorStatistics statistics() const override;

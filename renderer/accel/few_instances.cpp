@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/uninitialized.h"
 #include "renderer/accel/tree_boxes.h"
 #include "renderer/shapes/csg_shape.h"
 
@@ -34,7 +35,7 @@ size_t take_nearest(uint32_t& bits, const double* entered) {
 const Rectangle* plain_rectangle(const Instance& instance) {
   if (!instance.world_from_object.is_identity()) return nullptr;
   const auto* rectangle = dynamic_cast<const Rectangle*>(instance.shape.get());
-  return rectangle && RectangleRow::can_hold(*rectangle) ? rectangle : nullptr;
+  return rectangle && RectangleSoA::can_hold(*rectangle) ? rectangle : nullptr;
 }
 
 bool is_plain_plane(const Instance& instance) {
@@ -63,8 +64,9 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
       boxes_entered_(code.boxes_entered),
       rectangles_met_(code.rectangles_met),
       planes_met_(code.planes_met),
-      row_met_(code.row_met) {
+      intersect_batch_(code.intersect_batch) {
   std::vector<Bounds3> boxes;
+  Bounds3 bounded;
   rectangles_.resize(instances_.size());
   for (uint32_t i = 0; i < instances_.size(); ++i) {
     const Instance& instance = instances_[i];
@@ -83,12 +85,14 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
     } else if (can_be_held(instance, box)) {
       held_[kBoxes + boxes.size()] = i;
       boxes.push_back(box);
+      bounded.extend(box);
     } else {
       endless_.push_back(i);
     }
   }
   rows_.rectangles.finish();
-  rows_.boxes = BoxRow(boxes);
+  rows_.boxes = BoxSoA(boxes);
+  if (!bounded.empty()) bounded_extent_ = max_component(bounded.max - bounded.min);
   take_rows();
 }
 
@@ -97,9 +101,9 @@ size_t FewInstances::planes_among(std::span<const Instance> instances) {
 }
 
 void FewInstances::take_rows() {
-  PlaneRow& planes = rows_.planes;
+  PlaneSoA& planes = rows_.planes;
   for (const uint32_t i : endless_) {
-    if (planes.count == PlaneRow::kMost || !is_plain_plane(instances_[i])) {
+    if (planes.count == PlaneSoA::kMost || !is_plain_plane(instances_[i])) {
       row_endless_.push_back(i);
       continue;
     }
@@ -107,13 +111,14 @@ void FewInstances::take_rows() {
     if (instances_[i].casts_shadow) rows_.shading_planes |= 1u << planes.count;
     planes.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
   }
-  if (planes.count >= PlaneRow::kLeast) {
+  if (planes.count >= PlaneSoA::kLeast) {
     planes_at_once_ = planes.count;
     endless_ = row_endless_;
   }
   for (size_t box = 0; (rows_.boxes.all >> box & 1) != 0; ++box) {
     const uint32_t i = held_[kBoxes + box];
     const Instance& instance = instances_[i];
+    if (instance.shape->takes_batches()) batch_boxes_ |= 1u << box;
     if (!instance.world_from_object.is_identity()) continue;
     if (const auto* const csg = dynamic_cast<const CsgShape*>(instance.shape.get())) {
       std::optional<CarvedBox> carved = csg->carved_box();
@@ -135,7 +140,7 @@ void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& can
   const uint32_t two_sided = rows_.seen_from_front & rows_.seen_from_behind;
   candidates.left = met.maybe;
   candidates.inside = ray.cull == Cull::none ? met.inside & two_sided : 0;
-  candidates.is_unusual = (met.maybe & RectangleRow::kUnusual) != 0;
+  candidates.is_unusual = (met.maybe & RectangleSoA::kUnusual) != 0;
 }
 
 void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidates) const {
@@ -145,7 +150,7 @@ void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidat
   }
   const uint32_t in = boxes_entered_(rows_.boxes, ray, t_max, candidates.entered + kBoxes);
   candidates.left |= (in & rows_.boxes.all) << kBoxes;
-  candidates.is_unusual |= (in & BoxRow::kUnusual) != 0;
+  candidates.is_unusual |= (in & BoxSoA::kUnusual) != 0;
 }
 
 inline bool FewInstances::closest_plane(const Ray& ray, Hit& hit,
@@ -159,7 +164,7 @@ inline bool FewInstances::closest_plane(const Ray& ray, Hit& hit,
     return found;
   }
   counters.primitive_tests += planes_at_once_;
-  double t[PlaneRow::kMost];
+  double t[PlaneSoA::kMost];
   uint32_t met = planes_met_(rows_.planes, ray, hit.t, t);
   if (met == 0) return false;
   const size_t nearest = take_nearest(met, t);
@@ -176,7 +181,7 @@ inline bool FewInstances::closest_endless(const Ray& ray, Hit& hit,
 inline bool FewInstances::any_endless(const Ray& ray, TraversalCounters& counters) const {
   if (planes_at_once_ > 0 && ray.cull == Cull::none) {
     counters.primitive_tests += planes_at_once_;
-    double t[PlaneRow::kMost];
+    double t[PlaneSoA::kMost];
     if ((planes_met_(rows_.planes, ray, ray.t_max, t) & rows_.shading_planes) != 0) return true;
   } else {
     for (size_t i = 0; i < planes_at_once_; ++i)
@@ -205,16 +210,17 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
   return found;
 }
 
-void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
+void FewInstances::closest_hits(const RayBatch& rays, std::span<Hit> hits,
                                 TraversalCounters& counters) const {
-  RayRowMet met;
-  row_met_(rows_, rays, false, met);
+  BatchHits met;
+  intersect_batch_(rows_, rays, false, met);
   counters.primitive_tests += met.tests;
+  const uint32_t batch_boxes = boxes_for_batches(rays);
   for (size_t i = 0; i < rays.count; ++i) {
     Hit& hit = hits[i];
     hit = {};
     auto boxes = static_cast<uint32_t>(met.boxes[i]);
-    if ((boxes & BoxRow::kUnusual) != 0) [[unlikely]] {
+    if ((boxes & BoxSoA::kUnusual) != 0) [[unlikely]] {
       counters.primitive_tests -= rows_.tests_of_each();
       closest_hit(rays.ray(i), hit, counters);
       continue;
@@ -226,13 +232,14 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
     if (boxes == 0 && row_endless_.empty() && !on_rectangle) continue;
     const Ray ray = rays.ray(i);
     for (const uint32_t of : row_endless_) closest_hit_of(instances_[of], of, ray, hit, counters);
-    double entered[BoxRow::kMost];
+    double entered[BoxSoA::kMost];
     if ((boxes & (boxes - 1)) != 0) {
       for (uint32_t left = boxes; left != 0;) {
         const size_t box = take_lowest(left);
         entered[box] = met.entered[box][i];
       }
     }
+    boxes &= ~batch_boxes;
     while (boxes != 0) {
       const size_t box = take_nearest(boxes, entered);
       if (met.entered[box][i] > hit.t) break;
@@ -241,17 +248,54 @@ void FewInstances::closest_hits(const RayRow& rays, std::span<Hit> hits,
     if (on_rectangle && hit.instance == nearest)
       hit = rectangles_[nearest]->hit_at(ray, hit.t, hit);
   }
+  if (batch_boxes != 0) closest_in_batches(rays, met, hits, counters);
 }
 
-uint64_t FewInstances::any_hits(const RayRow& rays, TraversalCounters& counters) const {
-  RayRowMet met;
-  row_met_(rows_, rays, true, met);
+void FewInstances::closest_in_batches(const RayBatch& rays, const BatchHits& met,
+                                      std::span<Hit> hits, TraversalCounters& counters) const {
+  // The boxes that are entered first have their turn first.
+  uint32_t entered = 0;
+  double first[BoxSoA::kMost];
+  std::ranges::fill(first, std::numeric_limits<double>::infinity());
+  for (size_t i = 0; i < rays.count; ++i) {
+    if ((met.boxes[i] & BoxSoA::kUnusual) != 0) continue;
+    for (uint32_t left = static_cast<uint32_t>(met.boxes[i]) & batch_boxes_; left != 0;) {
+      const size_t box = take_lowest(left);
+      entered |= 1u << box;
+      first[box] = std::min(first[box], met.entered[box][i]);
+    }
+  }
+  while (entered != 0) {
+    const size_t box = take_nearest(entered, first);
+    Uninitialized<Ray, RayBatch::kMost> some;
+    Uninitialized<Hit, RayBatch::kMost> theirs;
+    uint32_t number[RayBatch::kMost];
+    size_t n = 0;
+    for (uint32_t i = 0; i < rays.count; ++i) {
+      const auto boxes = static_cast<uint32_t>(met.boxes[i]);
+      if ((boxes >> box & 1) == 0 || (boxes & BoxSoA::kUnusual) != 0 ||
+          met.entered[box][i] > hits[i].t)
+        continue;
+      some[n] = rays.ray(i);
+      theirs[n] = hits[i];
+      number[n++] = i;
+    }
+    const uint32_t instance = held_[kBoxes + box];
+    closest_hits_of(instances_[instance], instance, {some.data(), n}, {theirs.data(), n}, counters);
+    for (size_t i = 0; i < n; ++i) hits[number[i]] = theirs[i];
+  }
+}
+
+uint64_t FewInstances::any_hits(const RayBatch& rays, TraversalCounters& counters) const {
+  BatchHits met;
+  intersect_batch_(rows_, rays, true, met);
   counters.primitive_tests += met.tests;
+  const uint32_t batch_boxes = boxes_for_batches(rays);
   uint64_t stopped = 0;
   for (size_t i = 0; i < rays.count; ++i) {
     const auto boxes = static_cast<uint32_t>(met.boxes[i]);
     bool stops = false;
-    if ((boxes & BoxRow::kUnusual) != 0) [[unlikely]] {
+    if ((boxes & BoxSoA::kUnusual) != 0) [[unlikely]] {
       counters.primitive_tests -= rows_.tests_of_each();
       stops = any_hit(rays.ray(i), counters);
     } else if (std::isfinite(met.t[i])) {
@@ -260,12 +304,34 @@ uint64_t FewInstances::any_hits(const RayRow& rays, TraversalCounters& counters)
       const Ray ray = rays.ray(i);
       stops = std::ranges::any_of(
           row_endless_, [&](uint32_t of) { return any_hit_of(instances_[of], ray, counters); });
-      for (uint32_t left = boxes; left != 0 && !stops;)
+      for (uint32_t left = boxes & ~batch_boxes; left != 0 && !stops;)
         stops = any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters);
     }
     stopped |= uint64_t{stops} << i;
   }
+  for (uint32_t left = batch_boxes; left != 0;)
+    stopped |= any_in_batch(rays, met, take_lowest(left), stopped, counters);
   return stopped;
+}
+
+uint64_t FewInstances::any_in_batch(const RayBatch& rays, const BatchHits& met, size_t box,
+                                    uint64_t stopped, TraversalCounters& counters) const {
+  Uninitialized<Ray, RayBatch::kMost> some;
+  uint32_t number[RayBatch::kMost];
+  size_t n = 0;
+  for (uint32_t i = 0; i < rays.count; ++i) {
+    const auto boxes = static_cast<uint32_t>(met.boxes[i]);
+    if ((boxes >> box & 1) == 0 || (boxes & BoxSoA::kUnusual) != 0 || (stopped >> i & 1) != 0)
+      continue;
+    some[n] = rays.ray(i);
+    number[n++] = i;
+  }
+  if (n == 0) return 0;
+  uint64_t hit = 0;
+  for (uint64_t left = any_hits_of(instances_[held_[kBoxes + box]], {some.data(), n}, counters);
+       left != 0; left &= left - 1)
+    hit |= uint64_t{1} << number[std::countr_zero(left)];
+  return hit;
 }
 
 bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
@@ -286,9 +352,9 @@ bool FewInstances::any_hit(const Ray& ray, TraversalCounters& counters) const {
 
 bool FewInstances::any_hit_among(uint32_t boxes, const Ray& ray,
                                  TraversalCounters& counters) const {
-  if ((boxes & BoxRow::kUnusual) != 0 && !can_hit(ray)) return false;
+  if ((boxes & BoxSoA::kUnusual) != 0 && !can_hit(ray)) return false;
   if (holds_any(0) && any_endless(ray, counters)) return true;
-  for (uint32_t left = boxes & ~BoxRow::kUnusual; left != 0;)
+  for (uint32_t left = boxes & ~BoxSoA::kUnusual; left != 0;)
     if (any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters)) return true;
   return false;
 }

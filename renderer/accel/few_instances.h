@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "renderer/accel/accelerator.h"
-#include "renderer/accel/box_row.h"
+#include "renderer/accel/box_soa.h"
 #include "renderer/accel/bvh_kernels.h"
-#include "renderer/accel/few_rows.h"
-#include "renderer/accel/plane_row.h"
-#include "renderer/accel/rectangle_row.h"
+#include "renderer/accel/instance_soa.h"
+#include "renderer/accel/plane_soa.h"
+#include "renderer/accel/rectangle_soa.h"
 
 namespace tessera {
 
@@ -18,21 +18,22 @@ namespace tessera {
 /// prepare it for a tree. What cannot be held in a box is always tested.
 class FewInstances final : public Accelerator {
  public:
-  /// At most BoxRow::kMost that can_be_held(), any number of others.
+  /// At most BoxSoA::kMost that can_be_held(), any number of others.
   explicit FewInstances(std::vector<Instance> instances, const BvhKernels& code = kernels());
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   void all_hits(const Ray& ray, std::vector<Hit>& hits, TraversalCounters& counters) const override;
-  using Accelerator::closest_hits;
-  void closest_hits(const RayRow& rays, std::span<Hit> hits,
+  using Accelerator::any_hits, Accelerator::closest_hits;
+  void closest_hits(const RayBatch& rays, std::span<Hit> hits,
                     TraversalCounters& counters) const override;
-  uint64_t any_hits(const RayRow& rays, TraversalCounters& counters) const override;
+  uint64_t any_hits(const RayBatch& rays, TraversalCounters& counters) const override;
+  bool takes_batches() const override { return batch_boxes_ != 0; }
   AcceleratorStatistics statistics() const override;
 
   /// A bit of a mask stands for one of them.
-  const BoxRow& boxes() const { return rows_.boxes; }
-  const FewRows& rows() const { return rows_; }
+  const BoxSoA& boxes() const { return rows_.boxes; }
+  const InstanceSoA& rows() const { return rows_; }
   /// Whether nothing is held as a rectangle, so that what is in no box is always tested.
   bool is_all_in_boxes() const { return rows_.rectangles.count == 0; }
   /// any_hit() of a ray that may hit what is in `boxes`, as BvhKernels::boxes_entered tells, where
@@ -49,37 +50,49 @@ class FewInstances final : public Accelerator {
  private:
   void take_rows();
   /// The place of the first box among candidates.
-  static constexpr size_t kBoxes = RectangleRow::kMost;
+  static constexpr size_t kBoxes = RectangleSoA::kMost;
   /// What the ray may hit, a bit each, and lower bounds of t there.
   struct Candidates {
     uint32_t left = 0;
     uint32_t inside = 0;      ///< rectangles of which the ray is inside
     bool is_unusual = false;  ///< the ray may hit nothing at all
-    double entered[2 * BoxRow::kMost];
+    double entered[2 * BoxSoA::kMost];
   };
   void find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const;
   void find_boxes(const Ray& ray, double t_max, Candidates& candidates) const;
 
+  /// Those of batch_boxes_ if the rays go much the same way.
+  uint32_t boxes_for_batches(const RayBatch& rays) const {
+    return batch_boxes_ != 0 && are_coherent(rays, bounded_extent_) ? batch_boxes_ : 0;
+  }
+  /// What the rays hit in batch_boxes_.
+  void closest_in_batches(const RayBatch& rays, const BatchHits& met, std::span<Hit> hits,
+                          TraversalCounters& counters) const;
+  /// Those that hit something in the box; `stopped` are not asked.
+  uint64_t any_in_batch(const RayBatch& rays, const BatchHits& met, size_t box, uint64_t stopped,
+                        TraversalCounters& counters) const;
   bool closest_endless(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
   bool any_endless(const Ray& ray, TraversalCounters& counters) const;
   bool closest_plane(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
 
   std::vector<Instance> instances_;
   std::vector<const Rectangle*> rectangles_;  ///< by instance; null: it is not held as one
-  FewRows rows_;
+  InstanceSoA rows_;
   /// Of rows_.planes those that a single ray is held against at once: all or, if they are fewer
-  /// than PlaneRow::kLeast, none.
+  /// than PlaneSoA::kLeast, none.
   size_t planes_at_once_ = 0;
   /// What is in no box and no rectangle, ascending, always tested: by many rays at once beside
   /// rows_.planes, by a single ray beside those that it is held against at once.
   std::vector<uint32_t> row_endless_, endless_;
+  double bounded_extent_ = 0;  ///< the longest side of the box around rows_.boxes
+  uint32_t batch_boxes_ = 0;   ///< a bit for each of rows_.boxes that holds what takes_batches()
   /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
-  std::array<uint32_t, 2 * BoxRow::kMost> held_{};
+  std::array<uint32_t, 2 * BoxSoA::kMost> held_{};
   Bounds3 bounds_;
   decltype(BvhKernels::boxes_entered) boxes_entered_;
   decltype(BvhKernels::rectangles_met) rectangles_met_;
   decltype(BvhKernels::planes_met) planes_met_;
-  decltype(BvhKernels::row_met) row_met_;
+  decltype(BvhKernels::intersect_batch) intersect_batch_;
 };
 
 }  // namespace tessera

@@ -1,8 +1,11 @@
 #include "renderer/accel/instance.h"
 
+#include <algorithm>
 #include <limits>
 
+#include "base/uninitialized.h"
 #include "renderer/accel/mesh_shape.h"
+#include "renderer/accel/ray_batch.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
@@ -34,7 +37,49 @@ bool query_local(const Instance& instance, const Ray& ray, const Query& query) {
   return query(to_object(instance, ray, cull));
 }
 
+/// The rays in the frame of the instance's shape, in `room` unless they are the same there.
+std::span<const Ray> to_object(const Instance& instance, std::span<const Ray> rays,
+                               Uninitialized<Ray, RayBatch::kMost>& room) {
+  const Cull cull = seen_cull(instance);
+  if (cull == Cull::none && instance.world_from_object.is_identity()) return rays;
+  for (size_t i = 0; i < rays.size(); ++i) room[i] = to_object(instance, rays[i], cull);
+  return {room.data(), rays.size()};
+}
+
 }  // namespace
+
+void closest_hits_of(const Instance& instance, uint32_t number, std::span<const Ray> rays,
+                     std::span<Hit> hits, TraversalCounters& counters) {
+  Uninitialized<Ray, RayBatch::kMost> room;
+  // As closest_hit_of_any() lends one; `instance`, which shapes leave, keeps what was lent.
+  Uninitialized<Hit, RayBatch::kMost> lent;
+  for (size_t i = 0; i < hits.size(); ++i) {
+    lent[i] = hits[i];
+    if (number < hits[i].instance) lent[i].primitive = std::numeric_limits<uint32_t>::max();
+    if (number > hits[i].instance) lent[i].primitive = 0;
+    lent[i].instance = lent[i].primitive;
+  }
+  instance.shape->closest_hits(to_object(instance, rays, room), {lent.data(), hits.size()},
+                               counters);
+  for (size_t i = 0; i < hits.size(); ++i) {
+    const uint32_t before = lent[i].instance;
+    if (lent[i].t == hits[i].t && lent[i].primitive == before) continue;
+    hits[i] = lent[i];
+    hits[i].instance = number;
+  }
+}
+
+uint64_t any_hits_of(const Instance& instance, std::span<const Ray> rays,
+                     TraversalCounters& counters) {
+  if (!instance.casts_shadow) return 0;
+  Uninitialized<Ray, RayBatch::kMost> room;
+  return instance.shape->any_hits(to_object(instance, rays, room), counters);
+}
+
+bool any_takes_batches(std::span<const Instance> instances) {
+  return std::ranges::any_of(
+      instances, [](const Instance& instance) { return instance.shape->takes_batches(); });
+}
 
 bool closest_hit_of_any(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                         TraversalCounters& counters) {

@@ -72,6 +72,14 @@ inline bool any_hit_of(const Instance& instance, const Ray& ray, TraversalCounte
   double t;
   return instance.casts_shadow && in_place(instance, ray, ray.t_max, t, counters);
 }
+/// The two above for at most RayBatch::kMost rays that cull nothing, by Shape::closest_hits() and
+/// any_hits(): a bit each.
+void closest_hits_of(const Instance& instance, uint32_t number, std::span<const Ray> rays,
+                     std::span<Hit> hits, TraversalCounters& counters);
+uint64_t any_hits_of(const Instance& instance, std::span<const Ray> rays,
+                     TraversalCounters& counters);
+/// Whether rays that go much the same way meet some of them faster together.
+bool any_takes_batches(std::span<const Instance> instances);
 /// As Shape::all_hits for instance `number` and a ray in world space; sets Hit::instance.
 void all_hits_of(const Instance& instance, uint32_t number, const Ray& ray, std::vector<Hit>& hits,
                  TraversalCounters& counters);

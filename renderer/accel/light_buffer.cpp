@@ -18,7 +18,7 @@ double least_share(double part, double least_rest, double most_rest) {
 
 }  // namespace
 
-LightBuffer LightBuffer::of_place(const BoxRow& row, const Point3& place) {
+LightBuffer LightBuffer::of_place(const BoxSoA& row, const Point3& place) {
   LightBuffer buffer(row);
   buffer.cells_.resize(6 * kSide * kSide);
   for (uint32_t box = 0; row.all >> box != 0; ++box) {
@@ -43,7 +43,7 @@ LightBuffer LightBuffer::of_place(const BoxRow& row, const Point3& place) {
   return buffer;
 }
 
-LightBuffer LightBuffer::of_direction(const BoxRow& row, const Vec3& direction) {
+LightBuffer LightBuffer::of_direction(const BoxSoA& row, const Vec3& direction) {
   LightBuffer buffer(row);
   buffer.is_place_ = false;
   buffer.cells_.resize(kSide * kSide);

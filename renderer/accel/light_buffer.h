@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "renderer/accel/box_row.h"
+#include "renderer/accel/box_soa.h"
 #include "renderer/accel/traversal_tree.h"
 #include "renderer/shapes/surface_interaction.h"
 
@@ -17,14 +17,14 @@ namespace tessera {
 class LightBuffer {
  public:
   /// Of a light at `place`.
-  static LightBuffer of_place(const BoxRow& row, const Point3& place);
+  static LightBuffer of_place(const BoxSoA& row, const Point3& place);
   /// Of a light that comes along `direction`, which is of unit length.
-  static LightBuffer of_direction(const BoxRow& row, const Vec3& direction);
+  static LightBuffer of_direction(const BoxSoA& row, const Vec3& direction);
 
   /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
   /// farther off than half of what boxes are grown by.
-  /// Also a lane each in mirror_row_follower-inl.h, to the bit.
-  static bool has_answers(const BoxRow& row, const SurfaceInteraction& from) {
+  /// Also a lane each in whitted_wavefront-inl.h, to the bit.
+  static bool has_answers(const BoxSoA& row, const SurfaceInteraction& from) {
     const double error = l1_norm(from.point_error + abs(from.smooth_shift));
     return l1_norm(from.point - Point3{}) + kErrorShare * error <= row.farthest;
   }
@@ -65,7 +65,7 @@ class LightBuffer {
     double low, high;
   };
 
-  explicit LightBuffer(const BoxRow& row) : all_(row.all) {}
+  explicit LightBuffer(const BoxSoA& row) : all_(row.all) {}
 
   uint32_t met_towards(const Vec3& d) const {
     const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);

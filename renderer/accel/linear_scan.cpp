@@ -1,5 +1,8 @@
 #include "renderer/accel/linear_scan.h"
 
+#include <algorithm>
+
+#include "renderer/accel/tree_boxes.h"
 #include "renderer/shapes/triangle.h"
 
 namespace tessera {
@@ -53,8 +56,14 @@ AcceleratorStatistics MeshLinearScan::statistics() const {
 }
 
 InstanceLinearScan::InstanceLinearScan(std::vector<Instance> instances)
-    : instances_(std::move(instances)) {
-  for (const Instance& instance : instances_) bounds_.extend(bounds_of(instance));
+    : instances_(std::move(instances)), takes_batches_(any_takes_batches(instances_)) {
+  Bounds3 bounded;
+  for (const Instance& instance : instances_) {
+    const Bounds3 bounds = bounds_of(instance);
+    bounds_.extend(bounds);
+    if (can_be_held(instance, bounds)) bounded.extend(bounds);
+  }
+  if (!bounded.empty()) bounded_extent_ = max_component(bounded.max - bounded.min);
 }
 
 bool InstanceLinearScan::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
@@ -71,6 +80,33 @@ bool InstanceLinearScan::any_hit(const Ray& ray, TraversalCounters& counters) co
   for (const Instance& instance : instances_)
     if (any_hit_of(instance, ray, counters)) return true;
   return false;
+}
+
+bool InstanceLinearScan::takes_batch(const RayBatch& rays) const {
+  if (!takes_batches_ || !are_coherent(rays, bounded_extent_)) return false;
+  for (size_t i = 0; i < rays.count; ++i)
+    if (!can_hit(rays.ray(i))) return false;
+  return true;
+}
+
+void InstanceLinearScan::closest_hits(const RayBatch& rays, std::span<Hit> hits,
+                                      TraversalCounters& counters) const {
+  if (!takes_batch(rays)) return Accelerator::closest_hits(rays, hits, counters);
+  Uninitialized<Ray, RayBatch::kMost> room;
+  const std::span<const Ray> all = rays_of(rays, room);
+  std::ranges::fill(hits, Hit{});
+  uint32_t number = 0;
+  for (const Instance& instance : instances_)
+    closest_hits_of(instance, number++, all, hits, counters);
+}
+
+uint64_t InstanceLinearScan::any_hits(const RayBatch& rays, TraversalCounters& counters) const {
+  if (!takes_batch(rays)) return Accelerator::any_hits(rays, counters);
+  Uninitialized<Ray, RayBatch::kMost> room;
+  const std::span<const Ray> all = rays_of(rays, room);
+  uint64_t hit = 0;
+  for (const Instance& instance : instances_) hit |= any_hits_of(instance, all, counters);
+  return hit;
 }
 
 void InstanceLinearScan::all_hits(const Ray& ray, std::vector<Hit>& hits,

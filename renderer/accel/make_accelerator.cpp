@@ -37,10 +37,10 @@ const std::vector<std::string>& available_accelerators() {
 
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
-                                                         const SharedTree& shared, bool scan_few,
+                                                         const SharedTree& shared,
                                                          const BvhKernels& code) {
   check_triangle_count(mesh->triangles.size());
-  const bool is_small = scan_few && mesh->triangles.size() <= kFewTriangles;
+  const bool is_small = mesh->triangles.size() <= kFewTriangles;
   if (kind == AcceleratorKind::linear || is_small)
     return std::make_unique<MeshLinearScan>(std::move(mesh));
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits) {
@@ -60,22 +60,21 @@ std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const T
 
 std::shared_ptr<const Accelerator> shared_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                            AcceleratorKind kind, int threads,
-                                                           const SharedTree& shared, bool scan_few,
+                                                           const SharedTree& shared,
                                                            const BvhKernels& code) {
   const bool shares =
       shared.live && mesh->triangles.size() >= kTrianglesWorthSharing && &code == &kernels();
   if (auto live = shares ? shared.live->find<Accelerator>(shared.key) : nullptr) return live;
   std::shared_ptr<const Accelerator> built =
-      make_mesh_accelerator(std::move(mesh), kind, threads, shared, scan_few, code);
+      make_mesh_accelerator(std::move(mesh), kind, threads, shared, code);
   if (shares) shared.live->note(shared.key, built);
   return built;
 }
 
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
-                                                 const SharedTree& shared, bool scan_few,
-                                                 const BvhKernels& code) {
-  auto accelerator = shared_mesh_accelerator(mesh, kind, threads, shared, scan_few, code);
+                                                 const SharedTree& shared, const BvhKernels& code) {
+  auto accelerator = shared_mesh_accelerator(mesh, kind, threads, shared, code);
   return std::make_shared<MeshShape>(std::move(mesh), std::move(accelerator));
 }
 
@@ -91,17 +90,15 @@ std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const 
 
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads,
-                                                             bool scan_few,
                                                              const BvhKernels& code) {
   size_t bounded = 0;
   for (const Instance& instance : instances)
     if (const Bounds3 b = bounds_of(instance); can_be_held(instance, b) && !b.empty()) ++bounded;
-  const bool is_few = bounded == 0 || (scan_few && bounded <= kFewScanned);
-  const bool has_planes = scan_few && FewInstances::planes_among(instances) >= PlaneRow::kLeast;
+  const bool is_few = bounded == 0 || (bounded <= kFewScanned);
+  const bool has_planes = FewInstances::planes_among(instances) >= PlaneSoA::kLeast;
   if (kind == AcceleratorKind::linear || (is_few && !has_planes))
     return std::make_unique<InstanceLinearScan>(std::move(instances));
-  if (scan_few && bounded <= BoxRow::kMost)
-    return std::make_unique<FewInstances>(std::move(instances), code);
+  if (bounded <= BoxSoA::kMost) return std::make_unique<FewInstances>(std::move(instances), code);
   if (kind == AcceleratorKind::bvh || kind == AcceleratorKind::bvh_splits ||
       kind == AcceleratorKind::embree)
     return std::make_unique<InstanceBvh>(std::move(instances), threads, code);

@@ -14,7 +14,7 @@
 namespace tessera {
 
 // `threads` is how many the build may use; it changes nothing in the result. What is too small to
-// be worth a tree gets none, unless `scan_few` is false. `code` are its kernels, which change the
+// be worth a tree gets none. `code` are its kernels, which change the
 // counters alone. Throws a usage Error for a kind that this program was built without, a scene
 // Error for a mesh of more than kMaxPrimitives.
 
@@ -28,18 +28,15 @@ void check_triangle_count(size_t count);
 std::unique_ptr<const Accelerator> make_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                          AcceleratorKind kind, int threads,
                                                          const SharedTree& shared = {},
-                                                         bool scan_few = true,
                                                          const BvhKernels& code = kernels());
 /// The same, or what another scene of this process has of it already.
 std::shared_ptr<const Accelerator> shared_mesh_accelerator(std::shared_ptr<const TriangleMesh> mesh,
                                                            AcceleratorKind kind, int threads,
                                                            const SharedTree& shared,
-                                                           bool scan_few = true,
                                                            const BvhKernels& code = kernels());
 std::shared_ptr<const MeshShape> make_mesh_shape(std::shared_ptr<const TriangleMesh> mesh,
                                                  AcceleratorKind kind, int threads,
                                                  const SharedTree& shared = {},
-                                                 bool scan_few = true,
                                                  const BvhKernels& code = kernels());
 /// The same, but built by the first ray that may hit it: a mesh that no ray comes near costs no
 /// build. `builds` counts it then.
@@ -50,7 +47,6 @@ std::shared_ptr<const MeshShape> make_deferred_mesh_shape(std::shared_ptr<const 
 /// Hits carry the index into `instances`.
 std::unique_ptr<const Accelerator> make_instance_accelerator(std::vector<Instance> instances,
                                                              AcceleratorKind kind, int threads,
-                                                             bool scan_few = true,
                                                              const BvhKernels& code = kernels());
 
 }  // namespace tessera

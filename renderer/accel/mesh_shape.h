@@ -22,6 +22,14 @@ class MeshShape final : public Shape {
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
     return accelerator_->any_hit(ray, counters);
   }
+  void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
+                    TraversalCounters& counters) const override {
+    accelerator_->closest_hits(rays, hits, counters);
+  }
+  uint64_t any_hits(std::span<const Ray> rays, TraversalCounters& counters) const override {
+    return accelerator_->any_hits(rays, counters);
+  }
+  bool takes_batches() const override { return accelerator_->takes_batches(); }
   void all_hits(const Ray& ray, std::vector<Hit>& hits,
                 TraversalCounters& counters) const override {
     accelerator_->all_hits(ray, hits, counters);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/live_things.h"
+#include "base/weak_cache.h"
 #include "renderer/accel/accelerator.h"
 #include "renderer/accel/bvh_kernels.h"
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <new>
 
+#include "base/uninitialized.h"
 #include "renderer/accel/test_triangles-inl.h"
 #include "renderer/accel/traverse-inl.h"
 #include "renderer/math/mask_bits-inl.h"
@@ -24,15 +25,19 @@ struct PacketRays {
   alignas(32) float t_min[kPacketSize], t_max[kPacketSize];
   int near_row[3];
   float lowest[3], highest[3];  ///< origins, with the margin
+  /// Fewer are faster one by one.
+  static constexpr size_t kLeast = 2;
 
-  /// False where a ray is unusual or leaves the others' octant.
+  /// Up to `hits`, if there are any. False for too few rays, where a ray is unusual or leaves the
+  /// others' octant.
   HWY_INLINE bool set(std::span<const Ray> rays, std::span<const Hit> hits, float extent) {
+    if (rays.size() < kLeast) return false;
     for (size_t r = 0; r < kPacketSize; ++r) {
       const bool used = r < rays.size();
       const Ray& ray = rays[used ? r : 0];
+      const double last = hits.empty() ? ray.t_max : std::min(ray.t_max, hits[used ? r : 0].t);
       BoxRay<float> b;
-      if (!make_usual_box_ray(ray, std::min(ray.t_max, hits[used ? r : 0].t), extent, b))
-        return false;
+      if (!make_usual_box_ray(ray, last, extent, b)) return false;
       for (int a = 0; a < 3; ++a) {
         if (r == 0)
           near_row[a] = b.near_row[a], lowest[a] = Bounds3::kInfinity, highest[a] = -lowest[a];
@@ -74,11 +79,15 @@ struct PacketRays {
       const auto fz = hn::MulSub(far(2), iz, hn::Load(tag, leave[2] + r));
       const auto first = hn::Max(hn::Max(nx, ny), hn::Max(nz, hn::Load(tag, t_min + r)));
       const auto last = hn::Min(hn::Min(fx, fy), hn::Min(fz, hn::Load(tag, t_max + r)));
-      mask |= bits_of(tag, hn::Le(first, last)) << r;
+      mask |= movemask(tag, hn::Le(first, last)) << r;
     }
     return mask;
   }
 
+  HWY_INLINE void end_at(size_t r, double t) {
+    t_max[r] = static_cast<float>(t * (1 + BoxRay<float>::kMargin));
+  }
+  HWY_INLINE void end(size_t r) { t_max[r] = -1; }
   HWY_INLINE float last_t_max() const {
     const FloatTag tag;
     auto v = hn::Load(tag, t_max);
@@ -144,7 +153,7 @@ struct PacketLanes {
       const auto last = hn::Min(hn::Min(far(0, far_x, low_x, high_x), far(1, far_y, low_y, high_y)),
                                 hn::Min(far(2, far_z, low_z, high_z), limit));
       hn::Store(first, integer, entered + lane);
-      mask |= (bits_of(integer, hn::Gt(first, last)) ^ ((1u << hn::MaxLanes(tag)) - 1)) << lane;
+      mask |= (movemask(integer, hn::Gt(first, last)) ^ ((1u << hn::MaxLanes(tag)) - 1)) << lane;
     }
     return mask;
   }
@@ -171,39 +180,59 @@ struct PreparedRays {
       new (memory + r * sizeof(TriangleRay)) TriangleRay(rays[r]);
     ready = true;
   }
-  HWY_INLINE const TriangleRay& operator[](int r) const {
+  HWY_INLINE const TriangleRay& operator[](size_t r) const {
     return *std::launder(reinterpret_cast<const TriangleRay*>(memory) + r);
   }
 };
 
-bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit> hits,
-                 TraversalCounters& counters) {
-  const TraversalTree& tree = mesh.tree;
-  if ((tree.root & TraversalTree::kLeaf) || tree.units.size() >= PacketLanes::kMaxUnits)
-    return false;
-  if (mesh.cut_planes.count > 0)
+/// Whether packets can go through the tree.
+HWY_INLINE bool takes_packets(const TraversalTree& tree) {
+  return !(tree.root & TraversalTree::kLeaf) && tree.units.size() < PacketLanes::kMaxUnits;
+}
+
+/// The node and the place there that PacketLanes::name_child() made a leaf's name of.
+struct PacketLeaf {
+  const WideNode& node;
+  uint32_t place;
+
+  HWY_INLINE PacketLeaf(const TraversalTree& tree, uint32_t name)
+      : node(*reinterpret_cast<const WideNode*>(tree.units.data() +
+                                                ((name & ~TraversalTree::kLeaf) >> 3))),
+        place(name & 7) {}
+  HWY_INLINE uint32_t reference() const { return node.child[place]; }
+};
+
+/// Whether the mesh's tree takes the packet, which is set up then.
+HWY_INLINE bool set_up(const MeshTree& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
+                       PacketRays& packet) {
+  if (!takes_packets(mesh.tree)) return false;
+  if (mesh.cut_planes.count > 0) {
     for (const Ray& ray : rays)
-      if (mesh.cut_planes.must_visit_all(ray, tree.extent)) return false;
+      if (mesh.cut_planes.must_visit_all(ray, mesh.tree.extent)) return false;
+  }
+  return packet.set(rays, hits, mesh.tree.usual_extent);
+}
+
+bool mesh_closest_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit> hits,
+                         TraversalCounters& counters) {
   PacketRays packet;
-  if (rays.size() < 2 || !packet.set(rays, hits, tree.usual_extent)) return false;
+  if (!set_up(mesh, rays, hits, packet)) return false;
   PreparedRays prepared;  // once one of them enters a leaf
   TraversalCounters done;
   float t_max = packet.last_t_max();
   PacketLanes lanes(packet);
   closest_in_tree<true>(
-      tree, lanes, t_max,
-      done.node_visits, [&](uint32_t leaf) HWY_ATTR __attribute__((always_inline)) {
-        const uint32_t unit = (leaf & ~TraversalTree::kLeaf) >> 3;
-        const WideNode& node = *reinterpret_cast<const WideNode*>(tree.units.data() + unit);
+      mesh.tree, lanes, t_max,
+      done.node_visits, [&](uint32_t name) HWY_ATTR __attribute__((always_inline)) {
+        const PacketLeaf leaf(mesh.tree, name);
         bool nearer = false;
-        uint32_t mask = packet.enter_child(node, leaf & 7);
+        uint32_t mask = packet.enter_child(leaf.node, leaf.place);
         if (mask != 0 && !prepared.ready) prepared.set(rays);
         for (; mask != 0; mask &= mask - 1) {
-          const int r = std::countr_zero(mask);
-          Hit& hit = hits[static_cast<size_t>(r)];
+          const auto r = static_cast<size_t>(std::countr_zero(mask));
           const TriangleTester tester(mesh, prepared[r]);
-          if (!tester.closest(node.child[leaf & 7], hit, done.primitive_tests)) continue;
-          packet.t_max[r] = static_cast<float>(hit.t * (1 + BoxRay<float>::kMargin));
+          if (!tester.closest(leaf.reference(), hits[r], done.primitive_tests)) continue;
+          packet.end_at(r, hits[r].t);
           nearer = true;
         }
         if (nearer) t_max = packet.last_t_max();
@@ -211,6 +240,150 @@ bool mesh_packet(const MeshTree& mesh, std::span<const Ray> rays, std::span<Hit>
       });
   counters.node_visits += done.node_visits;
   counters.primitive_tests += done.primitive_tests;
+  return true;
+}
+
+bool mesh_any_packet(const MeshTree& mesh, std::span<const Ray> rays, uint32_t& hit,
+                     TraversalCounters& counters) {
+  PacketRays packet;
+  if (!set_up(mesh, rays, {}, packet)) return false;
+  PreparedRays prepared;
+  TraversalCounters done;
+  float t_max = packet.last_t_max();
+  PacketLanes lanes(packet);
+  hit = 0;
+  any_in_tree<true>(
+      mesh.tree, lanes, t_max,
+      done.node_visits, [&](uint32_t name) HWY_ATTR __attribute__((always_inline)) {
+        const PacketLeaf leaf(mesh.tree, name);
+        const uint32_t before = hit;
+        uint32_t mask = packet.enter_child(leaf.node, leaf.place);
+        if (mask != 0 && !prepared.ready) prepared.set(rays);
+        for (; mask != 0; mask &= mask - 1) {
+          const auto r = static_cast<size_t>(std::countr_zero(mask));
+          const TriangleTester tester(mesh, prepared[r]);
+          if (!tester.any(leaf.reference(), done.primitive_tests)) continue;
+          hit |= 1u << r;
+          packet.end(r);
+        }
+        if (hit == before) return false;
+        t_max = packet.last_t_max();
+        return t_max < 0;
+      });
+  counters.node_visits += done.node_visits;
+  counters.primitive_tests += done.primitive_tests;
+  return true;
+}
+
+/// Some rays of a packet, by bits.
+struct SomeRays {
+  Uninitialized<Ray, kPacketSize> rays;
+  uint32_t number[kPacketSize];
+  size_t count = 0;
+
+  HWY_INLINE SomeRays(std::span<const Ray> all, uint32_t mask) {
+    for (; mask != 0; mask &= mask - 1) {
+      number[count] = static_cast<uint32_t>(std::countr_zero(mask));
+      rays[count] = all[number[count]];
+      ++count;
+    }
+  }
+  HWY_INLINE std::span<const Ray> span() const { return {rays.data(), count}; }
+};
+
+/// Tests the rays of `mask` against one instance, and updates their hits.
+HWY_NOINLINE void closest_of_some(const Instance& instance, uint32_t number,
+                                  std::span<const Ray> rays, std::span<Hit> hits, uint32_t mask,
+                                  TraversalCounters& counters) {
+  if (!instance.shape->takes_batches()) {
+    for (; mask != 0; mask &= mask - 1) {
+      const auto r = static_cast<size_t>(std::countr_zero(mask));
+      closest_hit_of(instance, number, rays[r], hits[r], counters);
+    }
+    return;
+  }
+  const SomeRays some(rays, mask);
+  Uninitialized<Hit, kPacketSize> theirs;
+  for (size_t i = 0; i < some.count; ++i) theirs[i] = hits[some.number[i]];
+  closest_hits_of(instance, number, some.span(), {theirs.data(), some.count}, counters);
+  for (size_t i = 0; i < some.count; ++i) hits[some.number[i]] = theirs[i];
+}
+
+HWY_NOINLINE uint32_t any_of_some(const Instance& instance, std::span<const Ray> rays,
+                                  uint32_t mask, TraversalCounters& counters) {
+  uint32_t hit = 0;
+  if (!instance.shape->takes_batches()) {
+    for (; mask != 0; mask &= mask - 1) {
+      const int r = std::countr_zero(mask);
+      if (any_hit_of(instance, rays[static_cast<size_t>(r)], counters)) hit |= 1u << r;
+    }
+    return hit;
+  }
+  const SomeRays some(rays, mask);
+  for (uint64_t left = any_hits_of(instance, some.span(), counters); left != 0; left &= left - 1)
+    hit |= 1u << some.number[std::countr_zero(left)];
+  return hit;
+}
+
+HWY_INLINE uint32_t bits_of_all(std::span<const Ray> rays) {
+  return static_cast<uint32_t>((uint64_t{1} << rays.size()) - 1);
+}
+
+bool instance_closest_packet(const InstanceTree& scene, std::span<const Ray> rays,
+                             std::span<Hit> hits, TraversalCounters& counters) {
+  PacketRays packet;
+  if (!takes_packets(scene.tree) || !packet.set(rays, hits, scene.tree.usual_extent)) return false;
+  for (const uint32_t i : scene.endless)
+    closest_of_some(scene.instances[i], i, rays, hits, bits_of_all(rays), counters);
+  const auto end_at_hits = [&](uint32_t mask) HWY_ATTR {
+    for (; mask != 0; mask &= mask - 1) {
+      const auto r = static_cast<size_t>(std::countr_zero(mask));
+      packet.end_at(r, std::min(rays[r].t_max, hits[r].t));
+    }
+    return packet.last_t_max();
+  };
+  float t_max = end_at_hits(bits_of_all(rays));
+  PacketLanes lanes(packet);
+  closest_in_tree<false>(
+      scene.tree, lanes, t_max, counters.node_visits, [&](uint32_t name) HWY_ATTR {
+        const PacketLeaf leaf(scene.tree, name);
+        const uint32_t mask = packet.enter_child(leaf.node, leaf.place);
+        if (mask == 0) return false;
+        const NodeReference run{leaf.reference()};
+        for (uint32_t i = 0; i < run.blocks(); ++i) {
+          const uint32_t number = scene.slots[run.first_block() + i];
+          closest_of_some(scene.instances[number], number, rays, hits, mask, counters);
+        }
+        t_max = end_at_hits(mask);
+        return true;
+      });
+  return true;
+}
+
+bool instance_any_packet(const InstanceTree& scene, std::span<const Ray> rays, uint32_t& hit,
+                         TraversalCounters& counters) {
+  PacketRays packet;
+  if (!takes_packets(scene.tree) || !packet.set(rays, {}, scene.tree.usual_extent)) return false;
+  hit = 0;
+  const auto ask = [&](uint32_t number, uint32_t mask) HWY_ATTR {
+    uint32_t found = any_of_some(scene.instances[number], rays, mask & ~hit, counters);
+    hit |= found;
+    for (; found != 0; found &= found - 1) packet.end(static_cast<size_t>(std::countr_zero(found)));
+  };
+  for (const uint32_t i : scene.endless) ask(i, bits_of_all(rays));
+  float t_max = packet.last_t_max();
+  if (t_max < 0) return true;
+  PacketLanes lanes(packet);
+  any_in_tree<false>(scene.tree, lanes, t_max, counters.node_visits, [&](uint32_t name) HWY_ATTR {
+    const PacketLeaf leaf(scene.tree, name);
+    const uint32_t mask = packet.enter_child(leaf.node, leaf.place), before = hit;
+    const NodeReference run{leaf.reference()};
+    for (uint32_t i = 0; i < run.blocks() && (mask & ~hit) != 0; ++i)
+      ask(scene.slots[run.first_block() + i], mask);
+    if (hit == before) return false;
+    t_max = packet.last_t_max();
+    return t_max < 0;
+  });
   return true;
 }
 

@@ -10,7 +10,7 @@
 
 #include <limits>
 
-#include "renderer/accel/box_row.h"
+#include "renderer/accel/box_soa.h"
 #include "renderer/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,8 +19,8 @@ namespace HWY_NAMESPACE {
 
 /// One over each, never infinite, as SlabAxis.
 HWY_INLINE Lanes inverse_of(Lanes direction) {
-  const Lanes most = all(BoxRow::kMostInverse);
-  return hn::Max(hn::Neg(most), hn::Min(hn::Div(all(1), direction), most));
+  const Lanes most = broadcast(BoxSoA::kMostInverse);
+  return hn::Max(hn::Neg(most), hn::Min(hn::Div(broadcast(1), direction), most));
 }
 
 /// As many rays as there are lanes, held against boxes one after the other; the test of
@@ -34,20 +34,20 @@ class SlabLanes {
         offset_(multiply(origin, inverse_)) {}
 
   /// Whose answers count; others may hit anything.
-  HWY_INLINE LaneMask are_usual(const BoxRow& row) const {
+  HWY_INLINE LaneMask are_usual(const BoxSoA& row) const {
     // Of no boxes every answer is right, if the ray is one.
     const double farthest = row.all == 0 ? std::numeric_limits<double>::max() : row.farthest;
-    const auto is_steep =
-        hn::And(hn::Ge(steep_, all(BoxRow::kLeastSteep)), hn::Le(steep_, all(BoxRow::kMostSteep)));
-    return hn::And(hn::Le(far_, all(farthest)), is_steep);
+    const auto is_steep = hn::And(hn::Ge(steep_, broadcast(BoxSoA::kLeastSteep)),
+                                  hn::Le(steep_, broadcast(BoxSoA::kMostSteep)));
+    return hn::And(hn::Le(far_, broadcast(farthest)), is_steep);
   }
   /// Which of them may hit something in box `i` from `enter` to `leave`; raises `enter` to a lower
   /// bound of t there.
-  HWY_INLINE LaneMask entered(const BoxRow& row, size_t i, Lanes& enter, Lanes leave) const {
+  HWY_INLINE LaneMask entered(const BoxSoA& row, size_t i, Lanes& enter, Lanes leave) const {
     const auto narrow = [&](const double* min, const double* max, Lanes inverse, Lanes offset)
                             HWY_ATTR {
-                              const Lanes a = hn::MulSub(all(min[i]), inverse, offset);
-                              const Lanes b = hn::MulSub(all(max[i]), inverse, offset);
+                              const Lanes a = hn::MulSub(broadcast(min[i]), inverse, offset);
+                              const Lanes b = hn::MulSub(broadcast(max[i]), inverse, offset);
                               enter = hn::Max(enter, hn::Min(a, b));
                               leave = hn::Min(leave, hn::Max(a, b));
                             };

@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "renderer/accel/sphere_row.h"
+#include "renderer/accel/sphere_soa.h"
 #include "renderer/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,18 +17,19 @@ namespace HWY_NAMESPACE {
 
 /// Sphere::intersect() line by line, its limit apart: which of the rays meet the sphere that box
 /// `box` holds between `first` and `last`, and where.
-HWY_INLINE LaneMask meet_sphere(const SphereRow& row, size_t box, const Lanes3& origin,
+HWY_INLINE LaneMask meet_sphere(const SphereSoA& row, size_t box, const Lanes3& origin,
                                 const Lanes3& direction, Lanes first, Lanes last, Lanes& t) {
-  const Lanes zero = hn::Zero(kLaneTag), margin = all(Sphere::kMargin);
-  const Lanes3 center{all(row.center[0][box]), all(row.center[1][box]), all(row.center[2][box])};
-  const Lanes radius = all(row.radius[box]);
+  const Lanes zero = hn::Zero(kLaneTag), margin = broadcast(Sphere::kMargin);
+  const Lanes3 center{broadcast(row.center[0][box]), broadcast(row.center[1][box]),
+                      broadcast(row.center[2][box])};
+  const Lanes radius = broadcast(row.radius[box]);
   const Lanes3 f = subtract(origin, center);
   const Lanes a = dot(direction, direction), ff = dot(f, f), along = dot(f, direction);
   const Lanes rr = hn::Mul(radius, radius), whole = hn::Mul(a, ff);
   const auto lies_behind = hn::And(hn::And(hn::Gt(along, zero), hn::Ge(first, zero)),
                                    hn::Gt(hn::Sub(ff, rr), hn::Mul(margin, ff)));
   const Lanes off = hn::Sub(hn::Sub(whole, hn::Mul(along, along)), hn::Mul(a, rr));
-  const auto is_missed = hn::And(hn::Gt(whole, all(Sphere::kLeastProduct)),
+  const auto is_missed = hn::And(hn::Gt(whole, broadcast(Sphere::kLeastProduct)),
                                  hn::Or(lies_behind, hn::Gt(off, hn::Mul(margin, whole))));
   if (hn::AllTrue(kLaneTag, is_missed)) return hn::Lt(zero, zero);
   const Lanes b = hn::Neg(along);

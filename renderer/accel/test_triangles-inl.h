@@ -139,7 +139,7 @@ class TriangleTester {
       const auto nearest = hn::Mul(hn::Min(hn::Min(s.az, s.bz), s.cz), hn::Set(tag, 1 - 0x1p-40));
       const auto in_reach = hn::Le(nearest, hn::Set(tag, t_max));
       const auto candidate = hn::And(hn::And(ahead, in_reach), one_sided);
-      if (bits_of(tag, candidate) == 0) continue;
+      if (movemask(tag, candidate) == 0) continue;
       finish<kKeep>(s, candidate, t_max, lane, lanes, verdict);
     }
     return verdict;
@@ -184,8 +184,8 @@ class TriangleTester {
                 hn::And(hn::Lt(t, hn::Set(tag, ray_.t_max)), hn::Le(t, hn::Set(tag, t_max))));
     if (ray_.ray.cull == Cull::back) inside = hn::And(inside, hn::Ge(s.det, zero));
     if (ray_.ray.cull == Cull::front) inside = hn::And(inside, hn::Le(s.det, zero));
-    verdict.sure |= bits_of(tag, hn::And(candidate, hn::And(usual, inside))) << lane;
-    verdict.unsure |= bits_of(tag, hn::AndNot(usual, candidate)) << lane;
+    verdict.sure |= movemask(tag, hn::And(candidate, hn::And(usual, inside))) << lane;
+    verdict.unsure |= movemask(tag, hn::AndNot(usual, candidate)) << lane;
     if (!kKeep) return;
     hn::Store(t, tag, lanes.t + lane);
     hn::Store(hn::Mul(s.v, inverse_det), tag, lanes.u + lane);

@@ -94,7 +94,7 @@ struct RayLanes {
       const auto first = hn::Max(hn::Max(nx, ny), hn::Max(nz, t_min));
       const auto last = hn::Min(hn::Min(fx, fy), hn::Min(fz, limit));
       hn::Store(first, integer, entered + lane);
-      mask |= (bits_of(integer, hn::Gt(first, last)) ^ ((1u << hn::MaxLanes(tag)) - 1)) << lane;
+      mask |= (movemask(integer, hn::Gt(first, last)) ^ ((1u << hn::MaxLanes(tag)) - 1)) << lane;
     }
     return mask;
   }
@@ -135,7 +135,7 @@ struct WideRayLanes {
       hn::Store(hn::DemoteTo(half, hn::Abs(distance)), half,
                 reinterpret_cast<float*>(entered) + lane);
       const auto is_there = hn::Le(row(0), row(1));
-      mask |= bits_of(tag, hn::AndNot(hn::Gt(first, last), is_there)) << lane;
+      mask |= movemask(tag, hn::AndNot(hn::Gt(first, last), is_there)) << lane;
     }
     return mask;
   }
@@ -253,10 +253,10 @@ HWY_INLINE bool closest_in_tree(const TraversalTree& tree, Rays& rays, const Lim
   }
 }
 
-/// `leaf(reference)` says whether anything in it is hit.
-template <bool kLeaves, typename Real, typename Leaf>
-HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<Real>& ray, uint64_t& visits,
-                            Leaf&& leaf) {
+/// `leaf(reference)` says whether enough is found.
+template <bool kLeaves, typename Rays, typename Limit, typename Leaf>
+HWY_INLINE bool any_in_tree(const TraversalTree& tree, Rays& rays, const Limit& t_max,
+                            uint64_t& visits, Leaf&& leaf) {
   const TreeUnit* units = tree.units.data();
   uint32_t stack[kStackSize];
   uint32_t* top = stack;
@@ -264,26 +264,30 @@ HWY_INLINE bool any_in_tree(const TraversalTree& tree, BoxRay<Real>& ray, uint64
   HWY_ALIGN int32_t entered[8];
   for (;;) {
     if (!(current & TraversalTree::kLeaf)) {
-      const auto lanes = lanes_of(ray);
+      const auto lanes = lanes_of(rays);
       do {
         ++visits;
+        const uint32_t current_node = current;
         const WideNode& node = *reinterpret_cast<const WideNode*>(units + current);
-        uint32_t mask = lanes.enter(node, ray.t_max, entered);
+        uint32_t mask = lanes.enter(node, t_max, entered);
         if (mask == 0) {
           if (top == stack) return false;
           current = *--top;
           continue;
         }
-        current = node.child[std::countr_zero(mask)];
-        prefetch<kLeaves>(units, current);
-        for (mask &= mask - 1; mask != 0; mask &= mask - 1) {
-          *top = node.child[std::countr_zero(mask)];
-          prefetch<kLeaves>(units, *top++);
-        }
+        const auto take = [&]() HWY_ATTR {
+          const auto i = static_cast<uint32_t>(std::countr_zero(mask));
+          mask &= mask - 1;
+          prefetch<kLeaves>(units, node.child[i]);
+          return lanes.name_child(current_node, i, node.child[i]);
+        };
+        current = take();
+        while (mask != 0)  // NOLINT(bugprone-infinite-loop): take() takes a bit off
+          *top++ = take();
       } while (!(current & TraversalTree::kLeaf));
     }
     if (leaf(current)) return true;
-    reload(ray);
+    reload(rays);
     if (top == stack) return false;
     current = *--top;
   }

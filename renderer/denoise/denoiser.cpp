@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "renderer/math/elementary.h"
@@ -33,6 +34,7 @@ class Plane {
         values_(static_cast<size_t>(stride_) * static_cast<size_t>(film.height() + 2 * kMargin)) {
     const int width = film.width(), height = film.height();
     for (int y = -kMargin; y < height + kMargin; ++y) {
+      Cancellation::check();
       const int64_t row = int64_t{std::clamp(y, 0, height - 1)} * width;
       for (int x = -kMargin; x < width + kMargin; ++x) {
         const int64_t pixel = row + std::clamp(x, 0, width - 1);
@@ -99,6 +101,7 @@ class Denoiser {
       }
     }
     for (int dy = -kWindow; dy <= kWindow; ++dy) {
+      Cancellation::check();
       for (int dx = -kWindow; dx <= kWindow; ++dx) {
         if (dx != 0 || dy != 0) add(dx, dy, first, last, band);
       }
@@ -109,6 +112,17 @@ class Denoiser {
         float* const pixel =
             &film.values()[static_cast<size_t>((int64_t{y} * width_ + x) * film.channels())];
         for (size_t c = 0; c < 3; ++c) pixel[c] += band.change[c][at] / band.weight[at];
+      }
+    }
+  }
+
+  /// Gives a film back the light that this was made of.
+  void restore(Film& film) const {
+    const auto channels = static_cast<size_t>(film.channels());
+    float* pixel = film.values().data();
+    for (int y = 0; y < height_; ++y) {
+      for (int x = 0; x < width_; ++x, pixel += channels) {
+        for (size_t c = 0; c < 3; ++c) pixel[c] = light_[c].row(y)[x];
       }
     }
   }
@@ -213,10 +227,15 @@ void denoise(Film& film, int threads) {
                 "the film lacks what denoising looks at");
   const Denoiser denoiser(film);
   const int bands = (film.height() + kBandRows - 1) / kBandRows;
-  for_each_parallel(static_cast<size_t>(bands), threads, [&](size_t i) {
-    const int first = static_cast<int>(i) * kBandRows;
-    denoiser.smooth(first, std::min(first + kBandRows, film.height()), film);
-  });
+  try {
+    for_each_parallel(static_cast<size_t>(bands), threads, [&](size_t i) {
+      const int first = static_cast<int>(i) * kBandRows;
+      denoiser.smooth(first, std::min(first + kBandRows, film.height()), film);
+    });
+  } catch (...) {
+    denoiser.restore(film);
+    throw;
+  }
 }
 
 }  // namespace tessera

@@ -17,7 +17,8 @@ inline constexpr char kDenoiserName[] = "joint non-local means";
 /// Information", PGF 32(7), section 4). Biased: what varies less than the noise is smoothed away
 /// with it; as variances fall with more samples, so does what it changes. The film must have
 /// denoising_aovs(), which stay as they are. The same bits for any number of threads. Memory: some
-/// 80 bytes a pixel.
+/// 80 bytes a pixel. Whatever it throws, as where a Cancellation of the caller ends it, leaves the
+/// film as it was.
 void denoise(Film& film, int threads);
 
 }  // namespace tessera

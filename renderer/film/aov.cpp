@@ -14,15 +14,23 @@ struct Layout {
   std::vector<std::string> channels;
 };
 
-const std::array<Layout, 7>& layouts() {
-  static const std::array<Layout, 7> layouts{
+std::vector<std::string> origin_channels() {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < kOriginDepth; ++i) names.push_back("origin." + std::to_string(i));
+  return names;
+}
+
+const std::array<Layout, 9>& layouts() {
+  static const std::array<Layout, 9> layouts{
       {{Aov::albedo, "albedo", {"albedo.R", "albedo.G", "albedo.B"}},
        {Aov::normal, "normal", {"N.X", "N.Y", "N.Z"}},
        {Aov::depth, "depth", {"Z"}},
        {Aov::position, "position", {"P.X", "P.Y", "P.Z"}},
        {Aov::id, "id", {"id"}},
        {Aov::variance, "variance", {"variance.R", "variance.G", "variance.B"}},
-       {Aov::samples, "samples", {"samples"}}}};
+       {Aov::samples, "samples", {"samples"}},
+       {Aov::origin, "origin", origin_channels()},
+       {Aov::primitive, "primitive", {"primitive"}}}};
   return layouts;
 }
 
@@ -41,7 +49,7 @@ AovSet::AovSet(uint32_t bits) : bits_(bits & ((uint32_t{1} << layouts().size()) 
 
 bool AovSet::needs_surfaces() const {
   return has(Aov::albedo) || has(Aov::normal) || has(Aov::depth) || has(Aov::position) ||
-         has(Aov::id);
+         has(Aov::id) || has(Aov::origin) || has(Aov::primitive);
 }
 
 int AovSet::channels() const {

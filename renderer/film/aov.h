@@ -17,7 +17,24 @@ namespace tessera {
 ///   id        of the object that it meets there, from 1
 ///   variance  of the pixel's light as a mean of its samples, by their spread
 ///   samples   how many the pixel's light is the mean of
-enum class Aov : uint32_t { albedo, normal, depth, position, id, variance, samples };
+///   origin    the nodes that the object stands in, by their numbers (proto/wire/node_numbers.h):
+///             the innermost first, of a set operation the operand's; then 0
+///   primitive within that object's shape, from 1: of a mesh the row of its triangles, of a box its
+///             face, of a set operation those of its operands one after the other
+enum class Aov : uint32_t {
+  albedo,
+  normal,
+  depth,
+  position,
+  id,
+  variance,
+  samples,
+  origin,
+  primitive
+};
+
+/// How many nodes `origin` tells at most.
+inline constexpr size_t kOriginDepth = 8;
 
 /// The names of --aovs, in the order of Aov.
 const std::vector<std::string>& aov_names();

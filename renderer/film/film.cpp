@@ -51,14 +51,14 @@ void Film::write(const PixelRect& tile, int first_row, int rows, std::span<const
 
 void Film::mark_hole(const PixelRect& tile) {
   constexpr int kCheckerSide = 8;
+  const auto channels = static_cast<size_t>(channels_);
   for (int y = tile.y0; y < tile.y1; ++y) {
-    for (int x = tile.x0; x < tile.x1; ++x) {
-      const float level = ((x / kCheckerSide) ^ (y / kCheckerSide)) & 1 ? 1.0f : 0.0f;
-      const size_t offset =
-          (static_cast<size_t>(y - rect_.y0) * width() + static_cast<size_t>(x - rect_.x0)) *
-          static_cast<size_t>(channels_);
-      std::fill_n(values_.get() + offset, channels_, 0.0f);
-      values_[offset] = values_[offset + 2] = level;
+    float* at = values_.get() + (static_cast<size_t>(y - rect_.y0) * width() +
+                                 static_cast<size_t>(tile.x0 - rect_.x0)) *
+                                    channels;
+    std::fill_n(at, static_cast<size_t>(tile.width()) * channels, 0.0f);
+    for (int x = tile.x0; x < tile.x1; ++x, at += channels) {
+      if (((x / kCheckerSide) ^ (y / kCheckerSide)) & 1) at[0] = at[2] = 1.0f;
     }
   }
 }

@@ -124,23 +124,59 @@ uint8_t quantize(double value, Quantization how) {
   return static_cast<uint8_t>(how == Quantization::round ? scaled + 0.5 : scaled);
 }
 
-/// Where each byte begins: the smallest values whose transferred and quantized value is 1, 2, ...
-/// 255. A power a pixel would take longer than tracing a simple scene.
-std::array<double, 255> byte_thresholds(const OutputSettings& settings) {
-  std::array<double, 255> thresholds{};
-  double low = 0;
-  for (uint32_t byte = 1; byte <= 255; ++byte) {
-    double high = 1;
-    // Bisection down to neighbouring doubles.
-    while (true) {
-      const double middle = low + (high - low) / 2;
-      if (middle <= low || middle >= high) break;
-      const bool reached = quantize(transferred(settings, middle), settings.quantization) >= byte;
-      (reached ? high : low) = middle;
+/// The transfer curve and the quantization as a function from [0, 1] to bytes. A power a pixel
+/// would take longer than tracing a simple scene.
+class ByteTable {
+ public:
+  explicit ByteTable(const OutputSettings& settings)
+      : transfer_(settings.transfer), gamma_(settings.gamma), quantization_(settings.quantization) {
+    double low = 0;
+    for (uint32_t byte = 1; byte <= 255; ++byte) {
+      double high = 1;
+      // Bisection down to neighbouring doubles.
+      while (true) {
+        const double middle = low + (high - low) / 2;
+        if (middle <= low || middle >= high) break;
+        const bool reached = quantize(transferred(settings, middle), settings.quantization) >= byte;
+        (reached ? high : low) = middle;
+      }
+      thresholds_[byte - 1] = high;
     }
-    thresholds[byte - 1] = high;
+    for (size_t cell = 0; cell <= kCells; ++cell) {
+      const double value = static_cast<double>(cell) / kCells;
+      first_[cell] = static_cast<uint8_t>(
+          std::upper_bound(thresholds_.begin(), thresholds_.end(), value) - thresholds_.begin());
+    }
   }
-  return thresholds;
+
+  bool is_of(const OutputSettings& settings) const {
+    return transfer_ == settings.transfer && gamma_ == settings.gamma &&
+           quantization_ == settings.quantization;
+  }
+  uint8_t byte_of(double value) const {
+    uint8_t byte = first_[static_cast<size_t>(value * kCells)];
+    while (byte < thresholds_.size() && thresholds_[byte] <= value) ++byte;
+    return byte;
+  }
+
+ private:
+  TransferCurve transfer_;
+  double gamma_;
+  Quantization quantization_;
+  /// The smallest values whose transferred and quantized value is 1, 2, ... 255.
+  std::array<double, 255> thresholds_{};
+  /// A search for each value would be half of the time that a cheap picture takes to be written.
+  /// The byte at which its cell of a fine grid begins is a step or two away at most.
+  static constexpr size_t kCells = 4096;
+  std::array<uint8_t, kCells + 1> first_{};
+};
+
+/// That of the settings. Making it takes milliseconds, which a view of many tiles would pay for
+/// each: every thread keeps the one that it used last.
+const ByteTable& byte_table(const OutputSettings& settings) {
+  thread_local std::optional<ByteTable> last;
+  if (!last || !last->is_of(settings)) last.emplace(settings);
+  return *last;
 }
 
 }  // namespace
@@ -154,23 +190,8 @@ std::vector<uint8_t> to_8_bit(const Film& film, const OutputSettings& settings) 
   if (settings.transfer == TransferCurve::display) {
     return convert(film, settings, [&](double v) { return quantize(v, settings.quantization); });
   }
-  const std::array<double, 255> thresholds = byte_thresholds(settings);
-  const auto byte_of = [&](double v) {
-    return static_cast<uint8_t>(std::upper_bound(thresholds.begin(), thresholds.end(), v) -
-                                thresholds.begin());
-  };
-  // A search for each value would be half of the time that a cheap picture takes to be written. The
-  // byte at which its cell of a fine grid begins is a step or two away at most.
-  constexpr size_t kCells = 4096;
-  std::array<uint8_t, kCells + 1> first{};
-  for (size_t cell = 0; cell <= kCells; ++cell) {
-    first[cell] = byte_of(static_cast<double>(cell) / kCells);
-  }
-  return convert(film, settings, [&](double v) {
-    uint8_t byte = first[static_cast<size_t>(v * kCells)];
-    while (byte < thresholds.size() && thresholds[byte] <= v) ++byte;
-    return byte;
-  });
+  const ByteTable& table = byte_table(settings);
+  return convert(film, settings, [&](double v) { return table.byte_of(v); });
 }
 
 }  // namespace tessera

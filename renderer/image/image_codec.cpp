@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -36,6 +37,16 @@ fs::path find_program() {
   }
   throw render_error(fmt::format("cannot find the image codec '{}'; expected it in '{}'", kProgram,
                                  folder.string()));
+}
+
+/// What tells the configuration of OpenColorIO of now from another: its name, age and size.
+std::string color_configuration() {
+  const char* const named = std::getenv("OCIO");
+  if (!named) return "";
+  std::error_code none;  // where there is no such file, its name is all
+  return fmt::format("{}\n{}\n{}", named,
+                     fs::last_write_time(named, none).time_since_epoch().count(),
+                     fs::file_size(named, none));
 }
 
 /// Whether the reply is of a size that such an answer may have.
@@ -88,7 +99,11 @@ void ImageCodec::start_locked() {
       news.si_pid == process_) {
     end_locked();
   }
+  std::string configuration = converts_colors_ ? color_configuration() : "";
+  // OpenColorIO reads it once in the life of a process.
+  if (process_ && configuration != configuration_) end_locked();
   if (process_) return;
+  configuration_ = std::move(configuration);
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw render_error(fmt::format("cannot start the image codec: {}", std::strerror(errno)));

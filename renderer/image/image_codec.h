@@ -63,6 +63,7 @@ class ImageCodec {
   int end_locked();
 
   const bool converts_colors_;
+  std::string configuration_;  ///< as color_configuration(), that the process has
   std::mutex mutex_;
   pid_t process_ = 0;           ///< 0: not running
   bool loads_all_ = false;      ///< it was told to

@@ -1,6 +1,5 @@
 #include "renderer/image/image_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "base/file.h"
 #include "base/lower_case.h"
 #include "base/open_file.h"
+#include "base/open_input.h"
 #include "base/owned_descriptor.h"
 #include "base/version.h"
 #include "renderer/image/image_codec.h"
@@ -32,7 +32,8 @@ struct Format {
   bool has_channels = false;  ///< as many as there are, with names
 };
 
-constexpr std::array<Format, 13> kFormats{{{"png", "png", false},
+constexpr std::array<Format, 15> kFormats{{{"png", "png", false},
+                                           {"apng", "png", false},
                                            {"exr", "openexr", true, true},
                                            {"jpg", "jpeg", false},
                                            {"jpeg", "jpeg", false},
@@ -44,6 +45,7 @@ constexpr std::array<Format, 13> kFormats{{{"png", "png", false},
                                            {"webp", "webp", false},
                                            {"hdr", "hdr", true},
                                            {"pfm", nullptr, true},
+                                           {"gif", "gif", false},
                                            {"sgi", "sgi", false}}};
 
 const Format& format_of(const fs::path& path) {
@@ -111,17 +113,6 @@ void convert_colors(const ColorManagement& names, Film& film) {
   std::ranges::copy(*answer.payload, values.begin());
 }
 
-/// 8 bits of every channel.
-std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
-  if (!settings.color_management) return to_8_bit(film, settings);
-  Film shown(film.rect());
-  std::ranges::copy(film.values(), shown.values().begin());
-  expose(shown, settings);
-  convert_colors(*settings.color_management, shown);
-  return to_8_bit(shown,
-                  {.transfer = TransferCurve::display, .quantization = settings.quantization});
-}
-
 BlobData encode(const Format& format, const Film& film, const OutputSettings& settings,
                 const ImageMetadata& metadata) {
   ImageRequest request;
@@ -171,7 +162,7 @@ ImageBytes read_bytes(const std::string& path) {
   // More than any picture that is_legal() has, however it is compressed.
   constexpr uint64_t kMostFileBytes = most_encoded_bytes(16 * uint64_t{PixelLayout::kMostPixels});
   const uint64_t size = check_input_file(path, kMostFileBytes);
-  const OwnedDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const OwnedDescriptor file = open_input(path);
   if (file.get() < 0) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
   std::array<std::byte, kFormatBytes> head;
   const auto known = std::span(head).first(std::min<uint64_t>(size, head.size()));
@@ -231,9 +222,17 @@ void check_writable(const fs::path& path) {
 void check_color_management(const ColorManagement& names) {
   const char* const file = std::getenv("OCIO");
   if (!file || !*file) {
-    throw usage_error(
-        "$OCIO is not set, which --ocio-... needs; expected the path of an OpenColorIO "
-        "configuration");
+    const char* const option = !names.color_space.empty() ? "--ocio-space"
+                               : !names.display.empty()   ? "--ocio-display"
+                                                          : "--ocio-view";
+    throw usage_error(fmt::format(
+        "{} without $OCIO; expected that to be the path of an OpenColorIO configuration", option));
+  }
+  std::error_code unknown;
+  const fs::file_status status = fs::status(file, unknown);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw usage_error(fmt::format(
+        "$OCIO, '{}': no regular file; expected the path of an OpenColorIO configuration", file));
   }
   Film film({0, 0, 1, 1});
   try {
@@ -241,6 +240,16 @@ void check_color_management(const ColorManagement& names) {
   } catch (const Error& error) {
     throw usage_error(fmt::format("$OCIO, '{}': {}", file, error.what()));
   }
+}
+
+std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
+  if (!settings.color_management) return to_8_bit(film, settings);
+  Film shown(film.rect());
+  std::ranges::copy(film.values(), shown.values().begin());
+  expose(shown, settings);
+  convert_colors(*settings.color_management, shown);
+  return to_8_bit(shown,
+                  {.transfer = TransferCurve::display, .quantization = settings.quantization});
 }
 
 bool holds_aovs(const fs::path& path) { return format_of(path).has_channels; }
@@ -254,6 +263,14 @@ std::string encode_image(const fs::path& path, const Film& film, const OutputSet
     return encode_image(path, film.with_only({}), settings, metadata);
   }
   if (!format.name) return encode_pfm(film);
+  // Its numbers have 16 bits, and what does not fit would be cut off without a word.
+  constexpr int kMostSideOfGif = 65535;
+  if (format.name == std::string_view("gif") &&
+      std::max(film.width(), film.height()) > kMostSideOfGif) {
+    throw render_error(
+        fmt::format("'{}' cannot be written: {}x{} pixels; expected at most {} a side of a GIF",
+                    path.string(), film.width(), film.height(), kMostSideOfGif));
+  }
   try {
     return std::string(as_text(*encode(format, film, settings, metadata)));
   } catch (const Error& error) {

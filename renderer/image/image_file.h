@@ -57,6 +57,10 @@ void check_writable(const std::filesystem::path& path);
 /// names.
 void check_color_management(const ColorManagement& names);
 
+/// The film's light as to_8_bit() makes it, or as its colour management does. Throws a render error
+/// where that fails, as for names that check_color_management() refuses.
+std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings);
+
 /// Whether what is beside light has a place in the format that the ending names.
 bool holds_aovs(const std::filesystem::path& path);
 

@@ -14,12 +14,11 @@ bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
 }
 
 /// The stretch between a point and a light on which occluders count.
-template <bool kLambert>
 [[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, RayOrigins& origins,
                                              const Light& light, const LightSample& sample) {
   const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
   double t_max = placed ? 1 : sample.distance;
-  if (!kLambert && std::isfinite(light.shadow_distance)) {
+  if (std::isfinite(light.shadow_distance)) {
     t_max = std::min(t_max, light.shadow_distance / (placed ? sample.distance : 1));
   }
   // Which side of the surface it leaves from is told by the whole way to a light's place.
@@ -73,7 +72,7 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
 
 /// light_visibility(), compiled where it stands. `buffer` is that of the light among
 /// Occluders::buffers_at() the point, or null.
-template <bool kRich, bool kPlain = false, bool kLambert = kPlain>
+template <bool kRich>
 [[gnu::always_inline]] inline Color visibility_of(const Scene& scene, const SurfacePoint& point,
                                                   RayOrigins& origins, const LightBuffer* buffer,
                                                   const Media& media, const Light& light,
@@ -84,13 +83,13 @@ template <bool kRich, bool kPlain = false, bool kLambert = kPlain>
   uint32_t boxes = 0;
   if (buffer) {
     boxes = buffer->boxes_met(point.surface.point, sample.wi, sample.distance);
-    if ((kPlain || !occluders.clear) && !occluders.few->holds_any(boxes)) return kWhite;
+    if (!occluders.clear && !occluders.few->holds_any(boxes)) return kWhite;
   }
-  const Ray ray = shadow_ray<kLambert>(point, origins, light, sample);
+  const Ray ray = shadow_ray(point, origins, light, sample);
   if (buffer ? occluders.few->any_hit_among(boxes, ray, state.counters.traversal)
              : is_stopped(scene, light, ray, state))
-    return kPlain ? kBlack : kWhite * (1 - light.shadow_intensity);
-  if (kPlain || !occluders.clear) return kWhite;
+    return kWhite * (1 - light.shadow_intensity);
+  if (!occluders.clear) return kWhite;
   const bool begins_beyond =
       dot(point.geometric_normal, ray.direction) < 0 && !sees_over_facet(point, sample.wi);
   const Color visible = clear_transmittance<kRich>(
@@ -149,77 +148,50 @@ Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
 }
 
 template <bool kRich>
-[[gnu::cold, gnu::noinline]] void trace_for_nothing(const Scene& scene, const SurfacePoint& point,
-                                                    const Media& media, const Light& light,
-                                                    const LightSample& sample, double width,
-                                                    TraceState& state) {
-  if (!light.casts_shadow || !(sample.distance > 0)) return;
-  RayOrigins origins(point.surface);
-  light_visibility<kRich>(scene, point, origins, media, light, sample, width, state);
-}
-
-template <bool kShadows, bool kRich, bool kPlain, bool kLambert>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state) {
   const Material& material = *point.material;
-  if (!kPlain && material.model == MaterialModel::unlit) {
-    return emission(point);
-  }
+  if (material.model == MaterialModel::unlit) return emission(point);
   // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
-  const bool refracts = !kPlain && material.transmission == Transmission::refract;
+  const bool refracts = material.transmission == Transmission::refract;
   const double kept = refracts ? 1 - material.transparency : 1.0;
   const Color diffuse = surface_diffuse(point);
   const Color kept_diffuse = diffuse * kept;
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
   const double width = cone_width(state.cone, path_length);
-  const LightBuffer* const buffers = kShadows ? scene.occluders.buffers_at(point.surface) : nullptr;
-  const auto leave_out = [&](bool skips, const Light& light, const LightSample& sample) {
-    if (kPlain || skips) {
-      ++state.counters.shadow_rays_skipped;
-    } else if constexpr (kShadows) {
-      trace_for_nothing<kRich>(scene, point, media, light, sample, width, state);
-    }
-  };
+  const bool has_shadows = scene.features.shadows;
+  const LightBuffer* const buffers =
+      has_shadows ? scene.occluders.buffers_at(point.surface) : nullptr;
   const auto add_light = [&](uint32_t index) __attribute__((always_inline)) {
     const Light& light = scene.lights[index];
-    if (kPlain || !light.ambient_attenuated) ambient += light.ambient;
+    if (!light.ambient_attenuated) ambient += light.ambient;
     LightSample sample;
     if (!sample_light(light, point.surface.point, path_length, sample)) {
-      leave_out(scene.skips.unreached_lights, light, sample);
+      ++state.counters.shadow_rays_skipped;
       return;
     }
-    if (!kPlain && light.ambient_attenuated) ambient += light.ambient * sample.factor;
+    if (light.ambient_attenuated) ambient += light.ambient * sample.factor;
     // Light behind a surface that subtracts it is in the shadow of that surface.
-    const bool shades_itself =
-        kShadows && !kLambert && material.diffuse_model == DiffuseModel::signed_lambert &&
-        (kPlain || (light.casts_shadow && light.shadow_intensity == 1 && material.is_opaque())) &&
-        dot(point.geometric_normal, sample.wi) < 0;
-    if (kPlain && shades_itself) {
-      leave_out(true, light, sample);
-      return;
-    }
+    const bool shades_itself = has_shadows &&
+                               material.diffuse_model == DiffuseModel::signed_lambert &&
+                               light.casts_shadow && light.shadow_intensity == 1 &&
+                               material.is_opaque() && dot(point.geometric_normal, sample.wi) < 0;
     Color arriving = light.intensity * sample.factor;
     Color share;
     if (kRich && material.model != MaterialModel::classic) {
       share = any_reflected_share(material, diffuse, point.normal, sample.wi, wo);
     } else {
-      share = reflected_share<kLambert>(material, kept_diffuse, point.normal, sample.wi, wo);
+      share = reflected_share(material, kept_diffuse, point.normal, sample.wi, wo);
     }
-    if (is_black(arriving) || is_black(share)) {
-      leave_out(scene.skips.dark_shadow_rays, light, sample);
+    if (shades_itself || is_black(arriving) || is_black(share)) {
+      ++state.counters.shadow_rays_skipped;
       return;
     }
-    if constexpr (kShadows) {
-      if (!kPlain && shades_itself) {
-        leave_out(scene.skips.dark_shadow_rays, light, sample);
-        return;
-      }
-      if (kPlain || light.casts_shadow)
-        arriving = arriving * visibility_of<kRich, kPlain, kLambert>(
-                                  scene, point, origins, buffers ? buffers + index : nullptr, media,
-                                  light, sample, width, state);
-    }
+    if (has_shadows && light.casts_shadow)
+      arriving = arriving * visibility_of<kRich>(scene, point, origins,
+                                                 buffers ? buffers + index : nullptr, media, light,
+                                                 sample, width, state);
     sum += arriving * share;
   };
   state.counters.lights_culled +=
@@ -231,34 +203,14 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
                    (material.ambient_times_diffuse ? kept_diffuse : kWhite * kept);
 }
 
-template Color local_radiance<false, false>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                            const Vec3&, const Media&, double, TraceState&);
-template Color local_radiance<false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                           const Vec3&, const Media&, double, TraceState&);
-template Color local_radiance<true, false>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                           const Vec3&, const Media&, double, TraceState&);
-template Color local_radiance<true, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                          const Vec3&, const Media&, double, TraceState&);
-
-template Color local_radiance<false, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                                  const Vec3&, const Media&, double, TraceState&);
-template Color local_radiance<true, false, true>(const Scene&, const SurfacePoint&, RayOrigins&,
-                                                 const Vec3&, const Media&, double, TraceState&);
-template Color local_radiance<false, false, true, false>(const Scene&, const SurfacePoint&,
-                                                         RayOrigins&, const Vec3&, const Media&,
-                                                         double, TraceState&);
-template Color local_radiance<true, false, true, false>(const Scene&, const SurfacePoint&,
-                                                        RayOrigins&, const Vec3&, const Media&,
-                                                        double, TraceState&);
-
+template Color local_radiance<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Vec3&,
+                                     const Media&, double, TraceState&);
+template Color local_radiance<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Vec3&,
+                                    const Media&, double, TraceState&);
 template Color light_visibility<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                        const Light&, const LightSample&, double, TraceState&);
 template Color light_visibility<true>(const Scene&, const SurfacePoint&, RayOrigins&, const Media&,
                                       const Light&, const LightSample&, double, TraceState&);
-template void trace_for_nothing<false>(const Scene&, const SurfacePoint&, const Media&,
-                                       const Light&, const LightSample&, double, TraceState&);
-template void trace_for_nothing<true>(const Scene&, const SurfacePoint&, const Media&, const Light&,
-                                      const LightSample&, double, TraceState&);
 template Color ray_visibility<false>(const Scene&, const SurfacePoint&, const Ray&, const Media&,
                                      double, TraceState&);
 template Color ray_visibility<true>(const Scene&, const SurfacePoint&, const Ray&, const Media&,

@@ -7,10 +7,9 @@ namespace tessera {
 
 /// Emission, ambient light and the light of every light of the point's set, towards `wo`.
 /// `media` are those on the viewer's side, `path_length` that from the camera to
-/// the point. Without kRich the scene must have no rich materials, with kPlain only simple
-/// features, with kLambert too only plain ones.
-/// Also a lane each, of simple features, in mirror_row_follower-inl.h, to the bit.
-template <bool kShadows, bool kRich, bool kPlain = false, bool kLambert = kPlain>
+/// the point. Without kRich the scene must have no rich materials.
+/// Also a lane each, of simple features, in whitted_wavefront-inl.h, to the bit.
+template <bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state);
 
@@ -19,16 +18,11 @@ template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const Light& light, const LightSample& sample,
                        double width, TraceState& state);
-/// The shadow ray to a light that adds nothing, to measure what leaving it out saves.
-template <bool kRich>
-void trace_for_nothing(const Scene& scene, const SurfacePoint& point, const Media& media,
-                       const Light& light, const LightSample& sample, double width,
-                       TraceState& state);
 /// Of the length of a stretch to a point of a surface, how much before that surface it ends, beside
 /// the point's own error: what rounding makes of the stretch.
 inline constexpr double kLiftRoundings = 0x1p-48;
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
-/// Also a lane each, of LambertBsdf, in path_row_lights-inl.h, to the bit.
+/// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, to the bit.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const SurfaceSample& there, double width,
@@ -53,7 +47,6 @@ Color ray_transmittance(const Scene& scene, const Ray& ray, const Media& inside,
   if (!occluders.opaque) return false;
   if (!occluders.takes_guesses) return occluders.opaque->any_hit(ray, counters.traversal);
   uint32_t& last = state.last_occluders.of_light(static_cast<size_t>(&light - scene.lights.data()));
-  if (!scene.skips.last_occluder) last = kNoInstance;
   const uint32_t before = last;
   if (!occluders.opaque->any_hit_by(ray, last, counters.traversal)) return false;
   if (last == before) ++counters.occluders_met_again;

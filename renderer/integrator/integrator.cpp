@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/unmade.h"
-#include "renderer/accel/ray_row.h"
+#include "base/uninitialized.h"
+#include "renderer/accel/ray_batch.h"
+#include "renderer/integrator/batch_tracer.h"
 #include "renderer/integrator/path_tracer.h"
-#include "renderer/integrator/row_tracer.h"
 #include "renderer/integrator/views.h"
 #include "renderer/integrator/whitted.h"
 
@@ -38,18 +38,19 @@ void TraceCounters::add_to(CounterMap& map) const {
 
 void Integrator::radiances(std::span<const Ray> rays, std::span<const SampleKey> keys,
                            std::span<Color> found, TraceState& state) const {
-  if (const RowTracer* const rows = this->rows()) return rows->radiances(rays, keys, found, state);
+  if (const BatchTracer* const batches = this->batches())
+    return batches->radiances(rays, keys, found, state);
   for (size_t i = 0; i < rays.size(); ++i) found[i] = radiance(rays[i], keys[i], state);
 }
 
 void Integrator::radiances(const Camera& camera, std::span<const Sampler::RasterSample> rasters,
                            std::span<const SampleKey> keys, std::span<Color> found,
                            TraceState& state) const {
-  const RowTracer* const rows = this->rows();
+  const BatchTracer* const batches = this->batches();
   const auto pinhole = camera.pinhole();
-  if (rows && pinhole) return rows->radiances(*pinhole, rasters, keys, found, state);
-  TESSERA_CHECK(rasters.size() <= RayRow::kMost, fmt::format("{} rays", rasters.size()));
-  Unmade<Ray, RayRow::kMost> rays;
+  if (batches && pinhole) return batches->radiances(*pinhole, rasters, keys, found, state);
+  TESSERA_CHECK(rasters.size() <= RayBatch::kMost, fmt::format("{} rays", rasters.size()));
+  Uninitialized<Ray, RayBatch::kMost> rays;
   for (size_t i = 0; i < rasters.size(); ++i)
     rays[i] = camera.ray(rasters[i].point.x, rasters[i].point.y);
   radiances({rays.data(), rasters.size()}, keys, found, state);

@@ -55,7 +55,7 @@ struct PathSegment {
   uint32_t passes = 0;       ///< surfaces passed unbent so far
 };
 
-class RowTracer;
+class BatchTracer;
 
 /// The opaque instance that the last shadow ray to a light ended in: the next ray to it is likely
 /// to.
@@ -86,9 +86,9 @@ class Integrator {
   virtual void make_room(TraceState&) const {}
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
   /// What finds the radiance along many camera rays faster than radiance() of each, if anything.
-  virtual const RowTracer* rows() const { return nullptr; }
-  /// radiance(), to the last bit, of each of `rays` with its key, 1 to RayRow::kMost camera rays
-  /// that begin and end at the same t. By rows() each has its sample's cone, else
+  virtual const BatchTracer* batches() const { return nullptr; }
+  /// radiance(), to the last bit, of each of `rays` with its key, 1 to RayBatch::kMost camera rays
+  /// that begin at the same t. By batches() each has its sample's cone, else
   /// TraceState::cone.
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const;

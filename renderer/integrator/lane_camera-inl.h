@@ -10,9 +10,9 @@
 
 #include <span>
 
-#include "renderer/accel/ray_row.h"
+#include "renderer/accel/ray_batch.h"
 #include "renderer/camera/camera.h"
-#include "renderer/integrator/lane_row-inl.h"
+#include "renderer/integrator/lane_batch-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/sampler/sampler.h"
 
@@ -22,30 +22,33 @@ namespace HWY_NAMESPACE {
 
 static_assert(sizeof(Sampler::RasterSample) == 3 * sizeof(double));
 
-/// Camera::ray() through each, at most RayRow::kMost.
+/// Camera::ray() through each, at most RayBatch::kMost.
 HWY_INLINE void set_rays(const Camera::Pinhole& camera,
-                         std::span<const Sampler::RasterSample> rasters, RayRow& row) {
+                         std::span<const Sampler::RasterSample> rasters, RayBatch& row) {
   row.begin(camera.near_distance, camera.far_distance);
   row.count = rasters.size();
-  const Lanes3 eye = all(camera.eye), view = all(camera.view);
+  const Lanes3 eye = broadcast(camera.eye), view = broadcast(camera.view);
   const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
-  const auto place = [](Lanes at, double offset, double scale)
-                         HWY_ATTR { return hn::Add(all(offset), hn::Mul(at, all(scale))); };
+  const auto place = [](Lanes at, double offset, double scale) HWY_ATTR {
+    return hn::Add(broadcast(offset), hn::Mul(at, broadcast(scale)));
+  };
   for (size_t i = 0; i < rasters.size(); i += kLanes) {
     const LaneIndices number = hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last);
     const LaneIndices at = hn::Add(hn::ShiftLeft<1>(number), number);
     const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
     const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
-    const Lanes3 right = multiply(all(camera.right), u), up = multiply(all(camera.up), v);
+    const Lanes3 right = multiply(broadcast(camera.right), u),
+                 up = multiply(broadcast(camera.up), v);
     store(normalize(add(add(view, right), up)), i, row.direction);
     store(eye, i, row.origin);
   }
 }
-/// Of rays that begin and end at the same t.
-HWY_INLINE void set_rays(std::span<const Ray> rays, RayRow& row) {
-  row.begin(rays[0].t_min, rays[0].t_max);
+/// Of rays that begin at the same t.
+HWY_INLINE void set_rays(std::span<const Ray> rays, RayBatch& row) {
+  row.begin(rays[0].t_min);
   row.count = rays.size();
   for (size_t i = 0; i < rays.size(); ++i) {
+    row.t_max[i] = rays[i].t_max;
     for (int axis = 0; axis < 3; ++axis) {
       row.origin[axis][i] = rays[i].origin[axis];
       row.direction[axis][i] = rays[i].direction[axis];

@@ -1,4 +1,4 @@
-// Part of row_tracer.cpp, compiled once for each instruction set: what lights and
+// Compiled once for each instruction set, as a part of wavefront-inl.h: what lights and
 // panoramas are to many points and rays, a lane each.
 #if defined(TESSERA_LANE_LIGHT_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_LIGHT_INL_H
@@ -27,30 +27,54 @@ struct Arriving {
   Lanes3 wi;
   Lanes distance, factor;
 };
+/// sample_light() of a light with a beam, point by point.
+inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes path_length,
+                              Arriving& sample) {
+  const Stored3 points(point);
+  alignas(64) double paths[kLanes], distances[kLanes], factors[kLanes];
+  hn::Store(path_length, kLaneTag, paths);
+  Stored3 ways(point);
+  uint32_t reached = 0;
+  for (size_t lane = 0; lane < kLanes; ++lane) {
+    LightSample one;
+    if (sample_light(light, points.point(lane), paths[lane], one)) {
+      reached |= 1u << lane;
+    } else {
+      one = {-light.direction, 1, 0};
+    }
+    ways.put(lane, one.wi);
+    distances[lane] = one.distance, factors[lane] = one.factor;
+  }
+  sample = {ways.load(), hn::Load(kLaneTag, distances), hn::Load(kLaneTag, factors)};
+  return reached;
+}
 /// sample_light(); a bit for each point that it reaches.
 HWY_INLINE uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
                            Arriving& sample) {
   if (light.kind == LightKind::directional) {
-    sample = {all(-light.direction), all(std::numeric_limits<double>::infinity()), all(1)};
+    sample = {broadcast(-light.direction), broadcast(std::numeric_limits<double>::infinity()),
+              broadcast(1)};
     return ~0u;
   }
+  if (light.kind != LightKind::point) return sample_shaped(light, point, path_length, sample);
   const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes3 to_light = subtract(all(light.position), point);
+  const Lanes3 to_light = subtract(broadcast(light.position), point);
   sample.distance = hn::Sqrt(dot(to_light, to_light));
   sample.wi = divide(to_light, sample.distance);
-  const Lanes scale = all(light.frame_scale);
+  const Lanes scale = broadcast(light.frame_scale);
   const Lanes reach = hn::Mul(sample.distance, scale);
   const LightAttenuation& a = light.attenuation;
   const Lanes d = a.whole_path ? hn::Mul(hn::Add(sample.distance, path_length), scale) : reach;
-  const Lanes inner = hn::Add(all(a.linear), hn::Mul(d, all(a.quadratic)));
-  Lanes denominator = hn::Add(all(a.constant), hn::Mul(d, inner));
-  if (a.is_none()) denominator = hn::IfThenElse(hn::Gt(denominator, zero), denominator, all(1));
-  if (a.at_most_one) denominator = greater(denominator, all(1));
+  const Lanes inner = hn::Add(broadcast(a.linear), hn::Mul(d, broadcast(a.quadratic)));
+  Lanes denominator = hn::Add(broadcast(a.constant), hn::Mul(d, inner));
+  if (a.is_none())
+    denominator = hn::IfThenElse(hn::Gt(denominator, zero), denominator, broadcast(1));
+  if (a.at_most_one) denominator = max(denominator, broadcast(1));
   sample.factor =
-      hn::IfThenElse(hn::Gt(denominator, zero), hn::Div(all(a.scale), denominator), zero);
-  const auto is_beyond = hn::Gt(reach, all(light.radius));
+      hn::IfThenElse(hn::Gt(denominator, zero), hn::Div(broadcast(a.scale), denominator), zero);
+  const auto is_beyond = hn::Gt(reach, broadcast(light.radius));
   const auto arrives = hn::And(hn::Gt(sample.distance, zero), hn::Gt(sample.factor, zero));
-  return bits_of(hn::AndNot(is_beyond, arrives));
+  return movemask(hn::AndNot(is_beyond, arrives));
 }
 
 /// LightBuffer::boxes_met() in the lanes of `bits`.
@@ -65,22 +89,22 @@ HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const A
     return;
   }
   const Lanes3& d = sampled.wi;
-  const Lanes zero = hn::Zero(kLaneTag), side = all(LightBuffer::kSide);
+  const Lanes zero = hn::Zero(kLaneTag), side = broadcast(LightBuffer::kSide);
   const Lanes x = hn::Abs(d.x), y = hn::Abs(d.y), z = hn::Abs(d.z);
   const auto by_x = hn::And(hn::Gt(x, y), hn::Gt(x, z)), by_y = hn::Gt(y, z);
   const auto of_axis = [&](Lanes of_x, Lanes of_y, Lanes of_z) HWY_ATTR {
     return hn::IfThenElse(by_x, of_x, hn::IfThenElse(by_y, of_y, of_z));
   };
   const auto cell = [](Lanes part) HWY_ATTR {
-    return hn::Trunc(
-        hn::Mul(hn::Add(part, all(LightBuffer::kEdge)), all(LightBuffer::kCellsPerPart)));
+    return hn::Trunc(hn::Mul(hn::Add(part, broadcast(LightBuffer::kEdge)),
+                             broadcast(LightBuffer::kCellsPerPart)));
   };
-  const Lanes below = hn::IfThenElseZero(hn::Lt(of_axis(d.x, d.y, d.z), zero), all(1));
-  const Lanes face = hn::Add(of_axis(zero, all(2), all(4)), below);
+  const Lanes below = hn::IfThenElseZero(hn::Lt(of_axis(d.x, d.y, d.z), zero), broadcast(1));
+  const Lanes face = hn::Add(of_axis(zero, broadcast(2), broadcast(4)), below);
   const Lanes column = cell(of_axis(d.y, d.z, d.x)), row = cell(of_axis(d.z, d.x, d.y));
   alignas(64) double cells[kLanes];
   hn::Store(hn::Add(hn::Mul(hn::Add(hn::Mul(face, side), row), side), column), kLaneTag, cells);
-  const uint32_t told = bits_of(hn::Gt(sampled.distance, all(LightBuffer::kLeastDistance)));
+  const uint32_t told = movemask(hn::Gt(sampled.distance, broadcast(LightBuffer::kLeastDistance)));
   while (bits != 0) {
     const size_t lane = take_lowest_lane(bits);
     boxes[lane] = (told >> lane & 1) != 0 ? buffer.boxes_of_cell(static_cast<size_t>(cells[lane]))
@@ -90,16 +114,16 @@ HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const A
 
 /// Background::place_in_panorama().
 HWY_INLINE void place_in_panorama(const Background& beyond, const Lanes3& d, double* s, double* t) {
-  const auto turned = [&](int axis) HWY_ATTR { return dot(all(beyond.rotation[axis]), d); };
+  const auto turned = [&](int axis) HWY_ATTR { return dot(broadcast(beyond.rotation[axis]), d); };
   const Lanes x = turned(0), y = turned(1), z = turned(2);
-  const Lanes azimuth = hn::Add(atan2(x, hn::Neg(z)), all(beyond.angle));
-  const Lanes turn = hn::Add(all(0.5), hn::Div(azimuth, all(2 * portable::kPi)));
+  const Lanes azimuth = hn::Add(atan2(x, hn::Neg(z)), broadcast(beyond.angle));
+  const Lanes turn = hn::Add(broadcast(0.5), hn::Div(azimuth, broadcast(2 * portable::kPi)));
   hn::Store(hn::Sub(turn, hn::Floor(turn)), kLaneTag, s);
   if (beyond.kind == BackgroundKind::panorama_equal_area) {
-    hn::Store(hn::Sub(all(0.5), hn::Div(y, all(2))), kLaneTag, t);
+    hn::Store(hn::Sub(broadcast(0.5), hn::Div(y, broadcast(2))), kLaneTag, t);
   } else {
     const Lanes across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(z, z)));
-    hn::Store(hn::Div(atan2(across, y), all(portable::kPi)), kLaneTag, t);
+    hn::Store(hn::Div(atan2(across, y), broadcast(portable::kPi)), kLaneTag, t);
   }
 }
 

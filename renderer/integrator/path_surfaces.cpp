@@ -29,7 +29,8 @@ bool is_even(const Scene& scene, const Material& material) {
 
 PathSurfaces::PathSurfaces(const Scene& scene)
     : scene_(scene),
-      passes_(scene.path_occluders.clear || scene.features.veils ||
+      passes_(scene.fog.kind != FogKind::none || scene.path_occluders.clear ||
+              scene.features.veils ||
               std::ranges::any_of(scene.materials, [](const Material& material) {
                 return !is_black(material.absorption);
               })) {

@@ -11,8 +11,8 @@
 
 namespace tessera {
 
-/// What rows of paths know of a scene's surfaces, worked out once. Immutable; `scene` must outlive
-/// it.
+/// What batches of paths know of a scene's surfaces, worked out once. Immutable; `scene` must
+/// outlive it.
 class PathSurfaces {
  public:
   explicit PathSurfaces(const Scene& scene);

@@ -28,8 +28,7 @@ inline double emission_weight(const Scene& scene, const SurfacePoint& point, uin
   return power_heuristic(density, light_density(scene, point, primitive, from));
 }
 
-/// Where a path is scattered. Numbers are VertexNumbers, or what has its functions. Without kRich
-/// the scene must have no textures.
+/// Where a path is scattered. Without kRich the scene must have no textures.
 template <bool kRich, typename Scatter>
 struct PathVertex {
   const Scene& scene;
@@ -42,7 +41,7 @@ struct PathVertex {
   TraceState& state;
 
   /// What lights of all kinds bring, of those with an extent and the background by one sample.
-  /// Also for a row of paths, PathRowFollower::scatter() in path_row_follower-inl.h, to the bit.
+  /// Also a lane each, of Lambert surfaces, in path_wavefront-inl.h.
   template <typename Numbers>
   Color direct_light(const Numbers& numbers) const {
     Color sum = kBlack;
@@ -57,7 +56,7 @@ struct PathVertex {
         const LightTree::Pick pick =
             scene.area_lights.tree().pick(point.surface.point, point.geometric_normal, u);
         const AreaLight& light = scene.area_lights[pick.index];
-        if (scene.skips.dark_shadow_rays && light.is_dark_from(point.surface.point)) {
+        if (light.is_dark_from(point.surface.point)) {
           ++state.counters.shadow_rays_skipped;
         } else {
           SurfaceSample there;
@@ -79,20 +78,19 @@ struct PathVertex {
     there.density *= to_sky;
     if (!(there.density > 0)) return kBlack;
     const BsdfValue value = scatter.evaluate(there.wi);
-    const bool is_dark = is_black(value.share);
-    if (is_dark && scene.skips.dark_shadow_rays) {
+    if (is_black(value.share)) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
     const Ray ray = origins.spawn(there.wi);
     const Color visible = ray_visibility<kRich>(scene, point, ray, media, width, state);
-    if (is_black(visible) || is_dark) return kBlack;
+    if (is_black(visible)) return kBlack;
     return scene.background.radiance(ray.origin, ray.direction, scene.lights) * value.share *
            visible * (power_heuristic(there.density, value.density) / there.density);
   }
 
   /// Of a point of a light that was chosen with that density.
-  /// Also a lane each, of LambertBsdf, in path_row_lights-inl.h, to the bit.
+  /// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, to the bit.
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
     if (!(density > 0)) return kBlack;
     const Vec3 wi = normalize(there.point - point.surface.point);
@@ -100,14 +98,13 @@ struct PathVertex {
     // Facing away, or nothing goes that way: no ray.
     BsdfValue value;
     if (!is_black(shine)) value = scatter.evaluate(wi);
-    const bool is_dark = is_black(value.share);
-    if (is_dark && scene.skips.dark_shadow_rays) {
+    if (is_black(value.share)) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
     const Color visible =
         point_visibility<kRich>(scene, point, origins, media, there, width, state);
-    if (is_black(visible) || is_dark) return kBlack;
+    if (is_black(visible)) return kBlack;
     if constexpr (kRich) {
       if (light.has_texture) {
         shine = looked_up_emission(scene, light.instance, there, point.surface.point, width,
@@ -123,21 +120,14 @@ struct PathVertex {
     const auto add_light = [&](uint32_t index) {
       const Light& light = scene.lights[index];
       LightSample sample;
-      const auto leave_out = [&](bool skips) {
-        if (skips) {
-          ++state.counters.shadow_rays_skipped;
-        } else {
-          trace_for_nothing<kRich>(scene, point, media, light, sample, width, state);
-        }
-      };
       if (!sample_light(light, point.surface.point, path_length, sample)) {
-        leave_out(scene.skips.unreached_lights);
+        ++state.counters.shadow_rays_skipped;
         return;
       }
       const Color share = scatter.evaluate(sample.wi).share * (portable::kPi * sample.factor);
       const Color arriving = light.intensity * share;
       if (is_black(arriving)) {
-        leave_out(scene.skips.dark_shadow_rays);
+        ++state.counters.shadow_rays_skipped;
         return;
       }
       Color visible = kWhite;
@@ -161,24 +151,18 @@ bool goes_straight(const SurfacePoint& point, const Numbers& numbers) {
 
 /// The way on of a path that was scattered `bounces` times before; false where it ends. Multiplies
 /// `throughput`, and `radiance_scale`, what of it media of other density make.
-/// Also a lane each, of LambertBsdf, in path_row_follower-inl.h, to the bit.
-template <typename Scatter, typename Numbers>
-bool choose_way(const Scatter& scatter, uint32_t bounces, const Numbers& numbers, Color& throughput,
+/// Also a lane each, of Lambert surfaces, in path_wavefront-inl.h.
+template <typename Numbers>
+bool choose_way(const Bsdf& bsdf, uint32_t bounces, const Numbers& numbers, Color& throughput,
                 double& radiance_scale, BsdfSample& sample, TraceCounters& counters) {
-  const bool may_end = bounces >= kSafeDepth;
-  const Vec2 choice = Scatter::kHasChoice || may_end ? numbers.choice() : Vec2{};
-  // A weight that is the same whatever the direction tells early where the path ends.
-  if constexpr (Scatter::kIsEven) {
-    sample.weight = scatter.albedo();
-  } else if (!scatter.sample(choice.x, numbers.direction(), sample)) {
-    return false;
-  }
+  const Vec2 choice = numbers.choice();
+  if (!bsdf.sample(choice.x, numbers.direction(), sample)) return false;
   throughput = throughput * sample.weight;
   radiance_scale *= sample.radiance_scale;
   // What lies ahead is as bright whatever the medium makes of radiance.
   const double worth = max_component(throughput) / radiance_scale;
   if (!(worth > 0)) return false;
-  if (may_end) {
+  if (bounces >= kSafeDepth) {
     const double survival = std::min(std::sqrt(worth), 1.0);
     if (choice.y >= survival) {
       ++counters.roulette_ends;
@@ -186,7 +170,6 @@ bool choose_way(const Scatter& scatter, uint32_t bounces, const Numbers& numbers
     }
     throughput = throughput * (1 / survival);
   }
-  if (Scatter::kIsEven && !scatter.sample(choice.x, numbers.direction(), sample)) return false;
   ++(sample.is_beyond ? counters.rays_refraction : counters.rays_reflection);
   return true;
 }

@@ -45,16 +45,6 @@ TexturePoint texture_point(const Scene& scene, const Ray& ray, double width,
   return at;
 }
 
-/// Where nothing is looked up.
-void skip_texture_point(const Scene& scene, const Ray& ray, double width, const SurfacePoint& point,
-                        TraceCounters& counters) {
-  if (scene.skips.texture_points) {
-    ++counters.texture_points_skipped;
-    return;
-  }
-  keep_result(texture_point(scene, ray, width, point));
-}
-
 Hit in_instance(Hit hit, uint32_t instance_index) {
   hit.instance = instance_index;
   return hit;
@@ -78,20 +68,6 @@ SurfacePoint::SurfacePoint(const Scene& scene, const SurfaceInteraction& met, co
   absorption = &material->absorption;
   geometric_normal = static_cast<Vec3>(surface.geometric_normal);
   normal = material->flat ? geometric_normal : static_cast<Vec3>(surface.shading_normal);
-  face_viewer();
-}
-
-SurfacePoint::SurfacePoint(Plain, const Scene& scene, uint32_t instance_index, const Ray& ray,
-                           const Hit& hit)
-    : surface(surface_at(scene.instances, ray, in_instance(hit, instance_index))),
-      material(&scene.material(instance_index, surface.material)),
-      geometric_normal(surface.geometric_normal),
-      normal(surface.shading_normal),
-      is_back(dot(surface.geometric_normal, ray.direction) > 0) {
-  face_viewer();
-}
-
-inline void SurfacePoint::face_viewer() {
   if (!is_back) return;
   geometric_normal = -geometric_normal;
   normal = -normal;
@@ -100,7 +76,7 @@ inline void SurfacePoint::face_viewer() {
 void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfacePoint& point,
                       TraceCounters& counters) {
   if (point.material->inputs == kNoMaterialInputs || point.is_hidden) {
-    skip_texture_point(scene, ray, width, point, counters);
+    ++counters.texture_points_skipped;
     return;
   }
   const MaterialInputs& inputs = scene.inputs[point.material->inputs];
@@ -111,7 +87,7 @@ void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfaceP
   if (inputs.needs_point()) {
     at = texture_point(scene, ray, width, point);
   } else {
-    skip_texture_point(scene, ray, width, point, counters);
+    ++counters.texture_points_skipped;
   }
   VertexColor vertex{s.vertex_color, s.vertex_alpha, s.has_vertex_color};
   resolve_material(inputs, at, scene.textures, vertex, *point.resolved);

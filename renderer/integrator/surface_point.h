@@ -14,9 +14,6 @@ namespace tessera {
 struct SurfacePoint {
   /// What lies at the hit, with the material's constants.
   SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit);
-  /// The same in a scene whose features are plain.
-  struct Plain {};
-  SurfacePoint(Plain, const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit);
   /// A surface that is known already, met along `direction`.
   SurfacePoint(const Scene& scene, const SurfaceInteraction& surface, const Vec3& direction);
   SurfacePoint(const SurfacePoint&) = delete;
@@ -31,9 +28,6 @@ struct SurfacePoint {
   bool is_back = false;              ///< the ray met the back of the surface: it was inside
   bool is_hidden = false;            ///< a back face that is not there
   std::optional<Material> resolved;  ///< the material with its textures looked up
-
- private:
-  void face_viewer();
 };
 
 /// Looks the material's textures up at the point, where it has any. Only scenes with rich materials

@@ -7,8 +7,8 @@ namespace tessera {
 
 namespace {
 
-/// Calls use(point, distance in metres) for the first surface that is there, if there is one. What
-/// covers less than half of what is behind it is passed by.
+/// Calls use(point, distance in metres, hit) for the first surface that is there, if there is one.
+/// What covers less than half of what is behind it is passed by.
 template <typename Use>
 void use_first_surface(const Scene& scene, Ray ray, TraceState& state, const Use& use) {
   ++state.counters.rays_primary;
@@ -21,7 +21,7 @@ void use_first_surface(const Scene& scene, Ray ray, TraceState& state, const Use
     ++state.counters.hits;
     start += hit.t;
     if (!point.is_hidden && point.surface.vertex_alpha * point.material->alpha >= 0.5) {
-      return use(point, start);
+      return use(point, start, hit);
     }
     const double t_max = ray.t_max - hit.t;
     ray = spawn_ray(point.surface, ray.direction);
@@ -36,9 +36,10 @@ class FirstSurfaceView final : public Integrator {
   explicit FirstSurfaceView(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
   Color radiance(const Ray& ray, const SampleKey&, TraceState& state) const override {
     Color color = kBlack;
-    use_first_surface(*scene_, ray, state, [&](const SurfacePoint& point, double distance) {
-      color = Show()(point, distance);
-    });
+    use_first_surface(*scene_, ray, state,
+                      [&](const SurfacePoint& point, double distance, const Hit&) {
+                        color = Show()(point, distance);
+                      });
     return color;
   }
   Color background(const Ray&) const override { return kBlack; }
@@ -98,13 +99,15 @@ class CostView final : public Integrator {
 
 std::optional<FirstSurface> first_surface(const Scene& scene, const Ray& ray, TraceState& state) {
   std::optional<FirstSurface> first;
-  use_first_surface(scene, ray, state, [&](const SurfacePoint& point, double distance) {
-    first = {.albedo = ShowAlbedo()(point, distance),
-             .normal = point.normal,
-             .depth = distance,
-             .position = point.surface.point,
-             .instance = point.surface.instance};
-  });
+  use_first_surface(scene, ray, state,
+                    [&](const SurfacePoint& point, double distance, const Hit& hit) {
+                      first = {.albedo = ShowAlbedo()(point, distance),
+                               .normal = point.normal,
+                               .depth = distance,
+                               .position = point.surface.point,
+                               .instance = point.surface.instance,
+                               .primitive = hit.primitive};
+                    });
   return first;
 }
 

@@ -15,6 +15,7 @@ struct FirstSurface {
   double depth = 0;  ///< metres along the ray
   Point3 position;   ///< world
   uint32_t instance = 0;
+  uint32_t primitive = 0;  ///< as in Hit
 };
 std::optional<FirstSurface> first_surface(const Scene& scene, const Ray& ray, TraceState& state);
 

@@ -9,7 +9,7 @@ namespace tessera {
 
 /// a[0] b[0] + ... + a[N-1] b[N-1] as if summed in twice the working precision and rounded once
 /// (Ogita, Rump, Oishi 2005, algorithm Dot2), in the range of two_product.
-/// Also a lane each in few_rows-inl.h, to the bit.
+/// Also a lane each in instance_soa-inl.h, to the bit.
 template <size_t N>
 double accurate_dot(const double (&a)[N], const double (&b)[N]) {
   DoubleDouble sum = two_product(a[0], b[0]);

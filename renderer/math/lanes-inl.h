@@ -42,10 +42,16 @@ struct Lanes3 {
   Lanes x, y, z;
 };
 
-HWY_INLINE Lanes all(double value) { return hn::Set(kLaneTag, value); }
-HWY_INLINE Lanes3 all(const Vec3& v) { return {all(v.x), all(v.y), all(v.z)}; }
-HWY_INLINE Lanes3 all(const Point3& p) { return {all(p.x), all(p.y), all(p.z)}; }
-HWY_INLINE Lanes3 all(const Color& c) { return {all(c.r), all(c.g), all(c.b)}; }
+HWY_INLINE Lanes broadcast(double value) { return hn::Set(kLaneTag, value); }
+HWY_INLINE Lanes3 broadcast(const Vec3& v) {
+  return {broadcast(v.x), broadcast(v.y), broadcast(v.z)};
+}
+HWY_INLINE Lanes3 broadcast(const Point3& p) {
+  return {broadcast(p.x), broadcast(p.y), broadcast(p.z)};
+}
+HWY_INLINE Lanes3 broadcast(const Color& c) {
+  return {broadcast(c.r), broadcast(c.g), broadcast(c.b)};
+}
 
 HWY_INLINE Lanes3 add(const Lanes3& a, const Lanes3& b) {
   return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
@@ -66,30 +72,30 @@ HWY_INLINE Lanes3 abs(const Lanes3& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn:
 HWY_INLINE Lanes3 negate(const Lanes3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
 HWY_INLINE Lanes sum(const Lanes3& a) { return hn::Add(hn::Add(a.x, a.y), a.z); }
 HWY_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) { return sum(multiply(a, b)); }
-HWY_INLINE Lanes3 choose(LaneMask mask, const Lanes3& yes, const Lanes3& no) {
+HWY_INLINE Lanes3 select(LaneMask mask, const Lanes3& yes, const Lanes3& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
           hn::IfThenElse(mask, yes.z, no.z)};
 }
 /// From arrays of parts, at a place whose vectors are aligned.
-template <size_t kRoom>
-HWY_INLINE Lanes3 load(const double (&parts)[3][kRoom], size_t at) {
+template <size_t kPadded>
+HWY_INLINE Lanes3 load(const double (&parts)[3][kPadded], size_t at) {
   return {hn::Load(kLaneTag, parts[0] + at), hn::Load(kLaneTag, parts[1] + at),
           hn::Load(kLaneTag, parts[2] + at)};
 }
-template <size_t kRoom>
-HWY_INLINE void store(const Lanes3& a, size_t at, double (&parts)[3][kRoom]) {
+template <size_t kPadded>
+HWY_INLINE void store(const Lanes3& a, size_t at, double (&parts)[3][kPadded]) {
   hn::Store(a.x, kLaneTag, parts[0] + at);
   hn::Store(a.y, kLaneTag, parts[1] + at);
   hn::Store(a.z, kLaneTag, parts[2] + at);
 }
 /// std::max(a, b), of what is no number and of zeros too.
-HWY_INLINE Lanes greater(Lanes a, Lanes b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
+HWY_INLINE Lanes max(Lanes a, Lanes b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
 HWY_INLINE LaneMask is_black(const Lanes3& c) {
   const Lanes zero = hn::Zero(kLaneTag);
   return hn::And(hn::And(hn::Eq(c.x, zero), hn::Eq(c.y, zero)), hn::Eq(c.z, zero));
 }
 
-HWY_INLINE uint32_t bits_of(LaneMask mask) { return bits_of(kLaneTag, mask); }
+HWY_INLINE uint32_t movemask(LaneMask mask) { return movemask(kLaneTag, mask); }
 HWY_INLINE LaneMask mask_of(uint32_t bits) {
   const uint8_t bytes[8] = {static_cast<uint8_t>(bits)};
   return hn::LoadMaskBits(kLaneTag, bytes);
@@ -128,8 +134,8 @@ inline HWY_NOINLINE void normalize_each(Stored3& v) {
 }
 HWY_INLINE Lanes3 normalize(const Lanes3& v) {
   const Lanes squared = dot(v, v);
-  const auto is_safe =
-      hn::And(hn::Gt(squared, all(kLeastSafeSquare)), hn::Lt(squared, all(kMostSafeSquare)));
+  const auto is_safe = hn::And(hn::Gt(squared, broadcast(kLeastSafeSquare)),
+                               hn::Lt(squared, broadcast(kMostSafeSquare)));
   if (!hn::AllTrue(kLaneTag, is_safe)) [[unlikely]] {
     Stored3 each(v);
     normalize_each(each);
@@ -138,7 +144,7 @@ HWY_INLINE Lanes3 normalize(const Lanes3& v) {
   return divide(v, hn::Sqrt(squared));
 }
 HWY_INLINE Lanes3 reflect(const Lanes3& v, const Lanes3& n) {
-  return subtract(v, multiply(n, hn::Mul(all(2), dot(v, n))));
+  return subtract(v, multiply(n, hn::Mul(broadcast(2), dot(v, n))));
 }
 
 /// The next larger value where `way` is positive, the next smaller one where it is negative.
@@ -149,8 +155,9 @@ HWY_INLINE Lanes next_towards(Lanes x, Lanes way) {
   const auto step = hn::IfThenElse(hn::RebindMask(kIndexTag, hn::Gt(up_from, zero)),
                                    hn::Set(kIndexTag, 1), hn::Set(kIndexTag, -1));
   Lanes up = hn::BitCast(kLaneTag, hn::Add(hn::BitCast(kIndexTag, up_from), step));
-  up = hn::IfThenElse(hn::Eq(up_from, zero), all(std::numeric_limits<double>::denorm_min()), up);
-  const auto has_next = hn::Lt(up_from, all(std::numeric_limits<double>::infinity()));
+  up = hn::IfThenElse(hn::Eq(up_from, zero), broadcast(std::numeric_limits<double>::denorm_min()),
+                      up);
+  const auto has_next = hn::Lt(up_from, broadcast(std::numeric_limits<double>::infinity()));
   up = hn::IfThenElse(has_next, up, up_from);
   const auto moves = hn::Or(hn::Gt(way, zero), down);
   return hn::IfThenElse(moves, hn::IfThenElse(down, hn::Neg(up), up), x);
@@ -169,7 +176,7 @@ HWY_INLINE LanesSum fast_two_sum(Lanes a, Lanes b) {
   return {s, hn::Sub(b, hn::Sub(s, a))};
 }
 HWY_INLINE LanesSum two_product(Lanes a, Lanes b) {
-  const Lanes split = all(kSplit);
+  const Lanes split = broadcast(kSplit);
   const Lanes p = hn::Mul(a, b), ta = hn::Mul(a, split), tb = hn::Mul(b, split);
   const Lanes ah = hn::Sub(ta, hn::Sub(ta, a)), bh = hn::Sub(tb, hn::Sub(tb, b));
   const Lanes al = hn::Sub(a, ah), bl = hn::Sub(b, bh);
@@ -194,17 +201,17 @@ inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes ang
 HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   using Arc = portable::QuickArc;
   const auto term = [](Lanes z, double a, double b)
-                        HWY_ATTR { return hn::Add(hn::Mul(z, all(a)), all(b)); };
+                        HWY_ATTR { return hn::Add(hn::Mul(z, broadcast(a)), broadcast(b)); };
   const Lanes zero = hn::Zero(kLaneTag), y = hn::Abs(of_y), ax = hn::Abs(x);
   const auto left = hn::Lt(x, zero), steep = hn::Gt(y, ax);
   Lanes large = hn::IfThenElse(steep, y, ax), small = hn::IfThenElse(steep, ax, y);
   const auto in_range =
-      hn::And(hn::And(hn::Lt(large, all(Arc::kMost)), hn::Gt(large, all(Arc::kLeast))),
-              hn::Gt(small, hn::Mul(large, all(Arc::kLeastRatio))));
-  large = hn::IfThenElse(in_range, large, all(1));
-  small = hn::IfThenElse(in_range, small, all(1));
+      hn::And(hn::And(hn::Lt(large, broadcast(Arc::kMost)), hn::Gt(large, broadcast(Arc::kLeast))),
+              hn::Gt(small, hn::Mul(large, broadcast(Arc::kLeastRatio))));
+  large = hn::IfThenElse(in_range, large, broadcast(1));
+  small = hn::IfThenElse(in_range, small, broadcast(1));
   const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, Arc::kNearlyHalf));
-  const Lanes c = hn::Mul(n, all(0.125));
+  const Lanes c = hn::Mul(n, broadcast(0.125));
   const auto leading = [](Lanes v) HWY_ATTR {
     const hn::RebindToUnsigned<LaneTag> bits;
     return hn::BitCast(kLaneTag, hn::And(hn::BitCast(bits, v), hn::Set(bits, ~Arc::kLastBits)));
@@ -216,19 +223,19 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   const LanesSum along = fast_two_sum(large, more);
   const Lanes along_low = hn::Add(along.low, hn::Add(hn::Sub(hn::Mul(c, small_high), more),
                                                      hn::Mul(c, hn::Sub(small, small_high))));
-  const Lanes t = hn::Div(across, along.high), inverse = hn::Div(all(1), along.high);
+  const Lanes t = hn::Div(across, along.high), inverse = hn::Div(broadcast(1), along.high);
   const LanesSum back = two_product(t, along.high);
   const Lanes t_low = hn::Mul(
       hn::Sub(hn::Sub(hn::Sub(across, back.high), back.low), hn::Mul(t, along_low)), inverse);
   const Lanes z = hn::Mul(t, t), zz = hn::Mul(z, z);
-  const Lanes last = hn::Sub(term(z, Arc::k13, Arc::k11), hn::Div(zz, all(Arc::kBy15)));
+  const Lanes last = hn::Sub(term(z, Arc::k13, Arc::k11), hn::Div(zz, broadcast(Arc::kBy15)));
   const Lanes p =
       hn::Mul(z, hn::Add(term(z, Arc::k5, Arc::k3),
                          hn::Mul(zz, hn::Add(term(z, Arc::k9, Arc::k7), hn::Mul(zz, last)))));
   const auto forward = hn::Or(hn::And(left, steep), hn::Not(hn::Or(left, steep)));
-  const Lanes sign = hn::IfThenElse(forward, all(1), all(-1));
+  const Lanes sign = hn::IfThenElse(forward, broadcast(1), broadcast(-1));
   const auto axis = [&](double of_steep, double of_left) HWY_ATTR {
-    return hn::IfThenElse(steep, all(of_steep), hn::IfThenElseZero(left, all(of_left)));
+    return hn::IfThenElse(steep, broadcast(of_steep), hn::IfThenElseZero(left, broadcast(of_left)));
   };
   alignas(64) double steps[kLanes];
   hn::Store(n, kLaneTag, steps);
@@ -244,12 +251,12 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
   const Lanes rest = hn::Mul(sign, hn::Add(hn::Load(kLaneTag, arc_low), t_low));
   const Lanes from_axis = hn::Add(axis(portable::kPi2.low, portable::kPiDd.low), rest);
   const Lanes low = hn::Add(hn::Add(sum.low, hn::Add(begin.low, from_axis)), hn::Mul(sign, tail));
-  const Lanes doubt =
-      hn::Add(hn::Mul(hn::Abs(tail), all(Arc::kTailDoubt)), hn::Mul(sum.high, all(Arc::kSumDoubt)));
+  const Lanes doubt = hn::Add(hn::Mul(hn::Abs(tail), broadcast(Arc::kTailDoubt)),
+                              hn::Mul(sum.high, broadcast(Arc::kSumDoubt)));
   const auto is_sure = hn::And(in_range, hn::Eq(hn::Add(sum.high, hn::Sub(low, doubt)),
                                                 hn::Add(sum.high, hn::Add(low, doubt))));
   const Lanes angle = hn::CopySign(hn::Add(sum.high, low), of_y);
-  const uint32_t unsure = bits_of(hn::Not(is_sure));
+  const uint32_t unsure = movemask(hn::Not(is_sure));
   return unsure == 0 ? angle : atan2_each(of_y, x, unsure, angle);
 }
 

@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A bit for each of at most 8 lanes, the first the lowest.
 template <typename Tag, typename Mask>
-HWY_INLINE uint32_t bits_of(Tag tag, Mask mask) {
+HWY_INLINE uint32_t movemask(Tag tag, Mask mask) {
   uint8_t bytes[8] = {};
   hn::StoreMaskBits(tag, mask, bytes);
   return bytes[0];

@@ -21,6 +21,11 @@ void put(double* array, size_t i, const Vec3& v) {
   for (int a = 0; a < 3; ++a) array[3 * i + static_cast<size_t>(a)] = v[a];
 }
 
+SurfaceInteraction surface_of(const std::vector<Instance>& instances, Ray ray, Hit hit) {
+  hit.t = std::ldexp(hit.t, scale_if_extreme(ray));
+  return surface_at(instances, ray, hit);
+}
+
 }  // namespace
 
 std::optional<Hit> RayQueries::hit_at(const ConstHitArrays& hits, size_t i) const {
@@ -43,7 +48,7 @@ std::optional<Hit> RayQueries::hit_at(const ConstHitArrays& hits, size_t i) cons
   return hit;
 }
 
-bool RayQueries::attributes(const RayBatch& rays, const ConstHitArrays& hits,
+bool RayQueries::attributes(const RayArrays& rays, const ConstHitArrays& hits,
                             const AttributeArrays& out, const QueryControl& control) const {
   return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -54,7 +59,7 @@ bool RayQueries::attributes(const RayBatch& rays, const ConstHitArrays& hits,
       s.uv = {kNan, kNan};
       uint32_t material = kNoInstance;
       if (const std::optional<Hit> hit = hit_at(hits, i)) {
-        s = surface_at(scene_->instances, rays[i], *hit);
+        s = surface_of(scene_->instances, rays[i], *hit);
         const InstanceShading& of = scene_->shading[hit->instance];
         material =
             material_of_slot_[of.first_material + std::min(s.material, of.material_count - 1)];
@@ -69,7 +74,7 @@ bool RayQueries::attributes(const RayBatch& rays, const ConstHitArrays& hits,
   });
 }
 
-bool RayQueries::spawn(const RayBatch& rays, const ConstHitArrays& hits,
+bool RayQueries::spawn(const RayArrays& rays, const ConstHitArrays& hits,
                        const VectorRows& directions, double* origins,
                        const QueryControl& control) const {
   return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
@@ -79,7 +84,7 @@ bool RayQueries::spawn(const RayBatch& rays, const ConstHitArrays& hits,
         put(origins, i, kNowhere);
         continue;
       }
-      const SurfaceInteraction s = surface_at(scene_->instances, rays[i], *hit);
+      const SurfaceInteraction s = surface_of(scene_->instances, rays[i], *hit);
       put(origins, i, RayOrigins(s).towards(directions[i]) - Point3{});
     }
   });

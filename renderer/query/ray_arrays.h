@@ -52,7 +52,7 @@ struct NumberRows {
 
 /// Rays in the caller's memory. t counts lengths of the direction; hits lie at t_min < t < t_max.
 /// A ray with a part that is not a number, or without a direction, hits nothing.
-struct RayBatch {
+struct RayArrays {
   size_t count = 0;
   VectorRows origins, directions;
   NumberRows t_min{};  ///< none below 0
@@ -102,10 +102,13 @@ struct AllHits {
   std::vector<double> uv;  ///< two numbers a hit
 };
 
+/// How many rays one thread traces between two looks at whether it is to end.
+inline constexpr size_t kRaysBetweenLooks = 64;
+
 /// Who works on a call, and what ends it early. The result does not depend on `threads`.
 struct QueryControl {
   int threads = 1;
-  const std::atomic<bool>* cancelled = nullptr;  ///< looked at every 1,024 rays
+  const std::atomic<bool>* cancelled = nullptr;  ///< see kRaysBetweenLooks
 };
 
 }  // namespace tessera

@@ -29,13 +29,8 @@ const MeshShape* mesh_of(const Instance& instance) {
   return dynamic_cast<const MeshShape*>(instance.shape.get());
 }
 
-Skips skips_for_queries() {
-  Skips skips;
-  // All trees are built at once by all threads, and all that hits have is kept.
-  skips.unhit_meshes = false;
-  skips.unused_attributes = false;
-  return skips;
-}
+/// All trees are built at once by all threads, and all that hits have is kept.
+constexpr BuildScope kScopeOfQueries{.all_meshes = true, .all_attributes = true};
 
 /// Whether rays go so much the same way that a packet of them visits little that each alone would
 /// not. Most that do not are told by the first two.
@@ -73,7 +68,7 @@ RayQueries::RayQueries(const v1::Scene& description, const BlobStore& blobs,
       blobs_(blobs),
       frame_(geometry_only(frame)),
       threads_(threads),
-      scene_(build_scene(description_, blobs_, frame_, threads, {}, skips_for_queries(), &names_)),
+      scene_(build_scene(description_, blobs_, frame_, threads, {}, kScopeOfQueries, &names_)),
       insides_(std::make_unique<Insides>()) {
   const std::vector<Instance>& instances = scene_->instances;
   if (instances.size() == 1 && instances[0].world_from_object.is_identity() &&
@@ -101,22 +96,27 @@ uint32_t RayQueries::row_of(const Hit& hit) const {
   return (*rows_[hit.instance])[hit.primitive];
 }
 
-bool RayQueries::closest_hits(const RayBatch& rays, const HitArrays& out,
+bool RayQueries::closest_hits(const RayArrays& rays, const HitArrays& out,
                               const QueryControl& control) const {
   const Accelerator* const surfaces = only_mesh_ ? only_mesh_ : scene_->surfaces.get();
   return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
     constexpr size_t kTogether = 32;
     Ray some[kTogether];
     Hit hits[kTogether];
+    int exponents[kTogether];
     TraversalCounters counters;
     for (; begin < end; begin += kTogether) {
       const size_t count = std::min(kTogether, end - begin);
+      bool has_extremes = false;
       for (size_t k = 0; k < count; ++k) {
         some[k] = checked_ray(rays, begin + k);
+        has_extremes |= is_extreme(some[k].direction);
         hits[k] = {};
         rays.origins.prefetch(begin + kTogether + k);
         rays.directions.prefetch(begin + kTogether + k);
       }
+      if (has_extremes) [[unlikely]]
+        for (size_t k = 0; k < count; ++k) exponents[k] = scale_if_extreme(some[k]);
       if (surfaces && go_together({some, count}, reach_))
         surfaces->closest_hits({some, count}, {hits, count}, counters);
       else if (surfaces)
@@ -125,7 +125,7 @@ bool RayQueries::closest_hits(const RayBatch& rays, const HitArrays& out,
         const Hit& hit = hits[k];
         const bool is_hit = std::isfinite(hit.t);
         const size_t i = begin + k;
-        if (out.t) out.t[i] = hit.t;
+        if (out.t) out.t[i] = has_extremes ? std::ldexp(hit.t, -exponents[k]) : hit.t;
         if (out.instance) out.instance[i] = is_hit ? hit.instance : kNoInstance;
         if (out.primitive) out.primitive[i] = is_hit ? row_of(hit) : kNoInstance;
         if (out.uv) out.uv[2 * i] = hit.u, out.uv[2 * i + 1] = hit.v;
@@ -134,13 +134,14 @@ bool RayQueries::closest_hits(const RayBatch& rays, const HitArrays& out,
   });
 }
 
-bool RayQueries::occluded(const RayBatch& rays, uint8_t* result,
+bool RayQueries::occluded(const RayArrays& rays, uint8_t* result,
                           const QueryControl& control) const {
   const Accelerator* const surfaces = only_mesh_ ? only_mesh_ : scene_->surfaces.get();
   return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
     TraversalCounters counters;
     for (size_t i = begin; i < end; ++i) {
-      const Ray ray = checked_ray(rays, i);
+      Ray ray = checked_ray(rays, i);
+      scale_if_extreme(ray);
       result[i] = surfaces && surfaces->any_hit(ray, counters) ? 1 : 0;
     }
   });
@@ -160,7 +161,7 @@ void RayQueries::find_all(const Ray& ray, std::vector<Hit>& hits) const {
              hits.end());
 }
 
-std::optional<AllHits> RayQueries::all_hits(const RayBatch& rays,
+std::optional<AllHits> RayQueries::all_hits(const RayArrays& rays,
                                             const QueryControl& control) const {
   AllHits all;
   all.offsets.resize(rays.count + 1);
@@ -169,7 +170,11 @@ std::optional<AllHits> RayQueries::all_hits(const RayBatch& rays,
     std::vector<Hit>& chunk = chunks[begin / kRaysOfChunk];
     std::vector<Hit> hits;
     for (size_t i = begin; i < end; ++i) {
-      find_all(checked_ray(rays, i), hits);
+      Ray ray = checked_ray(rays, i);
+      const int exponent = scale_if_extreme(ray);
+      find_all(ray, hits);
+      if (exponent != 0)
+        for (Hit& hit : hits) hit.t = std::ldexp(hit.t, -exponent);
       chunk.insert(chunk.end(), hits.begin(), hits.end());
       all.offsets[i + 1] = static_cast<int64_t>(hits.size());
     }
@@ -180,6 +185,7 @@ std::optional<AllHits> RayQueries::all_hits(const RayBatch& rays,
   all.t.reserve(total), all.instance.reserve(total), all.primitive.reserve(total);
   all.uv.reserve(2 * total);
   for (std::vector<Hit>& chunk : chunks) {
+    if (control.cancelled && *control.cancelled) return std::nullopt;
     for (const Hit& hit : chunk) {
       all.t.push_back(hit.t);
       all.instance.push_back(hit.instance);
@@ -191,12 +197,13 @@ std::optional<AllHits> RayQueries::all_hits(const RayBatch& rays,
   return all;
 }
 
-bool RayQueries::crossings(const RayBatch& rays, int32_t* result,
+bool RayQueries::crossings(const RayArrays& rays, int32_t* result,
                            const QueryControl& control) const {
   return for_each_chunk(rays.count, control, [&](size_t begin, size_t end) {
     std::vector<Hit> hits;
     for (size_t i = begin; i < end; ++i) {
       Ray ray = checked_ray(rays, i);
+      scale_if_extreme(ray);
       ray.cull = Cull::none;
       find_all(ray, hits);
       sort_by_instance(hits);
@@ -220,6 +227,13 @@ bool RayQueries::has_inside(uint32_t instance) const {
     }
   });
   return insides_->has[instance];
+}
+
+std::vector<uint32_t> RayQueries::open_meshes() const {
+  std::vector<uint32_t> open;
+  for (uint32_t i = 0; i < scene_->instances.size(); ++i)
+    if (mesh_of(scene_->instances[i]) && !has_inside(i)) open.push_back(i);
+  return open;
 }
 
 bool RayQueries::contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,

@@ -30,26 +30,28 @@ class RayQueries {
              int threads);
   ~RayQueries();
 
-  bool closest_hits(const RayBatch& rays, const HitArrays& hits,
+  bool closest_hits(const RayArrays& rays, const HitArrays& hits,
                     const QueryControl& control = {}) const;
   /// 1 where closest_hits() would find a hit, else 0.
-  bool occluded(const RayBatch& rays, uint8_t* result, const QueryControl& control = {}) const;
+  bool occluded(const RayArrays& rays, uint8_t* result, const QueryControl& control = {}) const;
   /// Each (instance, primitive) once for each real intersection.
-  std::optional<AllHits> all_hits(const RayBatch& rays, const QueryControl& control = {}) const;
+  std::optional<AllHits> all_hits(const RayArrays& rays, const QueryControl& control = {}) const;
   /// Passages from front to back less those from back to front. A ray through an edge or vertex of
   /// a mesh counts for one of the triangles there. rays.cull does not count.
-  bool crossings(const RayBatch& rays, int32_t* result, const QueryControl& control = {}) const;
+  bool crossings(const RayArrays& rays, int32_t* result, const QueryControl& control = {}) const;
   /// 1 for points inside some solid or closed mesh, or inside that instance. An instance without an
   /// inside is a usage error. Points on a surface are on either side, the same each time.
   bool contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
                 uint8_t* result, const QueryControl& control = {}) const;
+  /// The numbers of instances of meshes that have no inside, as they are open.
+  std::vector<uint32_t> open_meshes() const;
 
   /// What lies at hits that closest_hits() or all_hits() found for these rays.
-  bool attributes(const RayBatch& rays, const ConstHitArrays& hits, const AttributeArrays& out,
+  bool attributes(const RayArrays& rays, const ConstHitArrays& hits, const AttributeArrays& out,
                   const QueryControl& control = {}) const;
   /// Three numbers a hit: where a ray starts that leaves the hit's surface in the direction given
   /// for it, so that it does not meet that surface there; NaN where there is no hit.
-  bool spawn(const RayBatch& rays, const ConstHitArrays& hits, const VectorRows& directions,
+  bool spawn(const RayArrays& rays, const ConstHitArrays& hits, const VectorRows& directions,
              double* origins, const QueryControl& control = {}) const;
 
   /// The camera of that name for a frame of that size; an empty name and sizes of 0 stand for those

@@ -117,7 +117,7 @@ class AdaptiveTile {
                       [&](const SampleKey&, uint32_t of, const Sample& found) { take(of, found); });
         return writer_.progress().go_on();
       };
-      const bool in_row = tracer_.goes_in_rows() && pixel.seen;
+      const bool in_row = tracer_.goes_in_batches() && pixel.seen;
       for (uint32_t sample = begin; sample < end; ++sample) {
         const SampleKey key{pixel.x, pixel.y, task_.first_sample + sample};
         if (in_row) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "renderer/accel/mesh_shape.h"
 #include "renderer/integrator/views.h"
 #include "renderer/render/through_camera.h"
 
@@ -34,6 +35,14 @@ class Channels {
  private:
   float* out_;
 };
+
+/// As the description has it, of whose meshes some triangles may have been left out.
+uint32_t primitive_of(const Scene& scene, const FirstSurface& surface) {
+  const Shape* const shape = scene.instances[surface.instance].shape.get();
+  const auto* const mesh = dynamic_cast<const MeshShape*>(shape);
+  if (!mesh || mesh->mesh().original_numbers.empty()) return surface.primitive;
+  return mesh->mesh().original_numbers[surface.primitive];
+}
 
 }  // namespace
 
@@ -92,6 +101,13 @@ void AovTracer::write(int x, int y, uint32_t first_sample, bool seen, const Samp
   if (aovs_.has(Aov::id)) channels.put(surfaces.first ? first.instance + 1.0 : 0);
   if (aovs_.has(Aov::variance)) channels.put(light.variance());
   if (aovs_.has(Aov::samples)) channels.put(light.count());
+  if (aovs_.has(Aov::origin)) {
+    const Origins::Chain chain =
+        surfaces.first ? scene_->origins->of(first.instance, first.primitive) : Origins::Chain{};
+    for (const uint32_t node : chain) channels.put(node);
+  }
+  if (aovs_.has(Aov::primitive))
+    channels.put(surfaces.first ? primitive_of(*scene_, first) + 1.0 : 0);
 }
 
 }  // namespace tessera

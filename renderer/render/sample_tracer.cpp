@@ -18,7 +18,7 @@ bool all_coincide(const Scene& scene) {
 }
 
 uint32_t samples_in_a_row(const Scene& scene) {
-  constexpr uint32_t kRays = RayRow::kMost;
+  constexpr uint32_t kRays = RayBatch::kMost;
   return kRays / std::clamp(scene.camera->lens_samples(), 1u, kRays);
 }
 
@@ -28,9 +28,9 @@ SampleTracer::SampleTracer(std::shared_ptr<const Scene> scene)
     : scene_(std::move(scene)),
       integrator_(make_integrator(scene_)),
       draw_rasters_(raster_drawer(*scene_->sampler, kernels().name)),
-      samples_of_row_(integrator_->rows() ? samples_in_a_row(*scene_) : 0),
+      samples_of_row_(integrator_->batches() ? samples_in_a_row(*scene_) : 0),
       samples_at_once_(tessera::samples_at_once(*scene_)),
-      samples_coincide_(all_coincide(*scene_) && scene_->skips.equal_samples) {}
+      samples_coincide_(all_coincide(*scene_)) {}
 
 Sample SampleTracer::trace(const SampleKey& key, TraceState& state) const {
   state.cone = scene_->cones.of(key.sample);

@@ -4,8 +4,8 @@
 #include <memory>
 #include <span>
 
-#include "base/unmade.h"
-#include "renderer/accel/ray_row.h"
+#include "base/uninitialized.h"
+#include "renderer/accel/ray_batch.h"
 #include "renderer/film/tile.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/render/sample_sum.h"
@@ -38,13 +38,13 @@ class SampleTracer {
   Sample find(const SampleKey& key, TraceState& state, Way way) const {
     return finite((this->*way)(key, state), state);
   }
-  /// What trace() finds of 1 to samples_of_row() samples that go in rows: calls take(place, sample)
-  /// of each in their order.
+  /// What trace() finds of 1 to samples_of_row() samples that go in batches: calls take(place,
+  /// sample) of each in their order.
   template <typename Take>
-  void trace_row(std::span<const SampleKey> keys, TraceState& state, const Take& take) const;
+  void trace_batch(std::span<const SampleKey> keys, TraceState& state, const Take& take) const;
 
-  bool goes_in_rows() const { return samples_of_row_ > 0; }
-  /// How many fill a row with rays through the lens; 0: each is traced by itself.
+  bool goes_in_batches() const { return samples_of_row_ > 0; }
+  /// How many fill a batch with rays through the lens; 0: each is traced by itself.
   uint32_t samples_of_row() const { return samples_of_row_; }
   /// How many are traced before it is told that a pixel gets on.
   uint32_t samples_at_once() const { return samples_at_once_; }
@@ -84,20 +84,20 @@ class SampleTracer {
 };
 
 template <typename Take>
-void SampleTracer::trace_row(std::span<const SampleKey> keys, TraceState& state,
-                             const Take& take) const {
-  Unmade<Sampler::RasterSample, RayRow::kMost> rasters;
-  Unmade<Color, RayRow::kMost> colors;
+void SampleTracer::trace_batch(std::span<const SampleKey> keys, TraceState& state,
+                               const Take& take) const {
+  Uninitialized<Sampler::RasterSample, RayBatch::kMost> rasters;
+  Uninitialized<Color, RayBatch::kMost> colors;
   draw_rasters_(*scene_->sampler, keys, {rasters.data(), keys.size()});
-  through_camera<RayRow::kMost>(*scene_, *integrator_, keys, {rasters.data(), keys.size()},
-                                {colors.data(), keys.size()}, state);
+  through_camera<RayBatch::kMost>(*scene_, *integrator_, keys, {rasters.data(), keys.size()},
+                                  {colors.data(), keys.size()}, state);
   for (size_t i = 0; i < keys.size(); ++i) take(i, finite({colors[i], rasters[i].negative}, state));
 }
 
 /// Samples that are to be traced together.
 class WaitingSamples {
  public:
-  /// Of samples that go in rows; `tracer` must outlive it.
+  /// Of samples that go in batches; `tracer` must outlive it.
   explicit WaitingSamples(const SampleTracer& tracer) : tracer_(tracer) {}
 
   bool empty() const { return count_ == 0; }
@@ -111,15 +111,16 @@ class WaitingSamples {
   template <typename Take>
   void trace(TraceState& state, const Take& take) {
     if (empty()) return;
-    tracer_.trace_row({keys_.data(), count_}, state,
-                      [&](size_t i, const Sample& sample) { take(keys_[i], pixels_[i], sample); });
+    tracer_.trace_batch({keys_.data(), count_}, state, [&](size_t i, const Sample& sample) {
+      take(keys_[i], pixels_[i], sample);
+    });
     count_ = 0;
   }
 
  private:
   const SampleTracer& tracer_;
-  Unmade<SampleKey, RayRow::kMost> keys_;
-  Unmade<uint32_t, RayRow::kMost> pixels_;
+  Uninitialized<SampleKey, RayBatch::kMost> keys_;
+  Uninitialized<uint32_t, RayBatch::kMost> pixels_;
   size_t count_ = 0;
 };
 

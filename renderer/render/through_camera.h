@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "base/unmade.h"
+#include "base/uninitialized.h"
 #include "renderer/integrator/integrator.h"
 #include "renderer/scene/scene.h"
 
@@ -50,10 +50,10 @@ void through_camera(const Scene& scene, const Integrator& integrator,
     integrator.radiances(camera, rasters, keys, found, state);
     return;
   }
-  Unmade<Ray, kMost> rays;
-  Unmade<SampleKey, kMost> of_rays;
-  Unmade<size_t, kMost> of;  // the sample's place
-  Unmade<Color, kMost> colors;
+  Uninitialized<Ray, kMost> rays;
+  Uninitialized<SampleKey, kMost> of_rays;
+  Uninitialized<size_t, kMost> of;  // the sample's place
+  Uninitialized<Color, kMost> colors;
   size_t count = 0;
   const auto trace = [&] {
     integrator.radiances({rays.data(), count}, {of_rays.data(), count}, {colors.data(), count},

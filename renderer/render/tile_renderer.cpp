@@ -29,8 +29,7 @@ class SceneTileRenderer final : public TileRenderer {
       : scene_(std::move(scene)),
         tracer_(scene_),
         aovs_(scene_),
-        is_adaptive_(scene_->settings.target_error > 0 && !tracer_.samples_coincide() &&
-                     scene_->skips.converged_blocks) {}
+        is_adaptive_(scene_->settings.target_error > 0 && !tracer_.samples_coincide()) {}
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -82,9 +81,9 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
  private:
-  /// Of squares of pixels whose lone samples fill a row.
+  /// Of squares of pixels whose lone samples fill a batch.
   static constexpr int kSquareSide = 8;
-  static_assert(kSquareSide * kSquareSide == RayRow::kMost);
+  static_assert(kSquareSide * kSquareSide == RayBatch::kMost);
 
   PixelBeyond pixel_beyond(const RenderTask& task) const {
     TraceState state;
@@ -99,11 +98,11 @@ class SceneTileRenderer final : public TileRenderer {
     const bool is_lone = shows_one_sample(task);
     state.cone = scene_->cones.of(task.first_sample);
     WaitingPixels waiting{WaitingSamples(tracer_), tracer_.empty_sum()};
-    for (const PixelRect& part : parts_of(task.rect, is_lone && tracer_.goes_in_rows())) {
+    for (const PixelRect& part : parts_of(task.rect, is_lone && tracer_.goes_in_batches())) {
       for (int y = part.y0; y < part.y1; ++y) {
         for (int x = part.x0; x < part.x1; ++x) {
           const bool seen = is_seen(*scene_, x, y);
-          if (tracer_.goes_in_rows() && seen) {
+          if (tracer_.goes_in_batches() && seen) {
             if (!wait_for(x, y, task, waiting, state, writer)) return false;
             continue;
           }
@@ -196,9 +195,8 @@ class SceneTileRenderer final : public TileRenderer {
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const Sharing& sharing, const Skips& skips) {
-  return std::make_shared<SceneTileRenderer>(
-      build_scene(scene, blobs, frame, threads, sharing, skips));
+                                                       const Sharing& sharing) {
+  return std::make_shared<SceneTileRenderer>(build_scene(scene, blobs, frame, threads, sharing));
 }
 
 }  // namespace tessera

@@ -4,12 +4,11 @@
 #include <memory>
 #include <optional>
 
-#include "base/live_things.h"
+#include "base/weak_cache.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
 #include "renderer/film/tile.h"
-#include "renderer/scene/skips.h"
 
 namespace tessera {
 
@@ -47,12 +46,10 @@ class TileRenderer {
 };
 
 /// Builds what tracing this frame needs. Throws Error where the scene is wrong. `threads` is how
-/// many it may use to build. Neither that nor where trees are shared changes the result. `skips`
-/// are for measuring.
+/// many it may use to build. Neither that nor where trees are shared changes the result.
 std::shared_ptr<const TileRenderer> make_tile_renderer(const v1::Scene& scene,
                                                        const BlobStore& blobs,
                                                        const v1::FrameSettings& frame, int threads,
-                                                       const Sharing& sharing = {},
-                                                       const Skips& skips = {});
+                                                       const Sharing& sharing = {});
 
 }  // namespace tessera

@@ -27,7 +27,7 @@ class LaneStream {
   explicit LaneStream(const SampleStream* const* streams) : stream_(*streams[0]) {}
   Lanes2 pair(SampleUse use) const {
     const Vec2 u = stream_.pair(use);
-    return {all(u.x), all(u.y)};
+    return {broadcast(u.x), broadcast(u.y)};
   }
 
  private:
@@ -93,7 +93,7 @@ HWY_INLINE Words sobol_second_reversed(Words index) {
 HWY_INLINE Lanes unit_of(Words v) {
   const Words exponent = word(0x4330000000000000u);  // of 2^52
   const Lanes shifted = hn::BitCast(kLaneTag, hn::Or(v, exponent));
-  return hn::Mul(hn::Sub(shifted, all(0x1p52)), all(scramble::kUnit));
+  return hn::Mul(hn::Sub(shifted, broadcast(0x1p52)), broadcast(scramble::kUnit));
 }
 
 class LaneStream {

@@ -21,7 +21,8 @@ using Nodes = google::protobuf::RepeatedPtrField<v1::Node>;
 
 class Planner {
  public:
-  Planner(const v1::Scene& scene, double time) : scene_(scene), time_(time) {}
+  Planner(const v1::Scene& scene, double time, NodeWays* ways)
+      : scene_(scene), time_(time), ways_(ways) {}
 
   Part combine(const Where& where, const v1::Csg& csg, const Affine& to_whole) {
     if (++depth_ > kMaxDepth) {
@@ -63,6 +64,8 @@ class Planner {
     const Where where{.parent = &parent, .kind = "operand", .name = node.name(), .index = index};
     const Affine place = parent_place * read_transform(where, node.transform(), node.keys(), time_);
     if (!is_invertible(place)) return std::nullopt;
+    const uint32_t way_before = way_;
+    if (ways_) way_ = ways_->add(node, way_);
     std::vector<uint32_t> below;
     const auto keep = [&](const Part& part) {
       if (part) below.push_back(*part);
@@ -72,6 +75,7 @@ class Planner {
       join(where, object(where, node.instance_of()).nodes(), place, below);
     }
     join(where, node.children(), place, below);
+    way_ = way_before;
     if (below.empty()) return std::nullopt;
     if (below.size() == 1) return below.front();
     CsgPlan::Step step;
@@ -96,6 +100,7 @@ class Planner {
     CsgPlan::Step step;
     step.solid = &shape;
     step.csg_from_solid = place;
+    step.way = way_;
     return add(where, std::move(step));
   }
 
@@ -111,14 +116,30 @@ class Planner {
 
   const v1::Scene& scene_;
   double time_;
+  NodeWays* const ways_;
+  uint32_t way_ = kNoWay;
   CsgPlan plan_;
   int depth_ = 0;
 };
 
 }  // namespace
 
-CsgPlan plan_csg(const Where& where, const v1::Csg& csg, const v1::Scene& scene, double time) {
-  Planner planner(scene, time);
+std::vector<uint32_t> CsgPlan::solid_ways() const {
+  std::vector<uint32_t> ways;
+  if (steps.empty()) return ways;
+  std::vector<uint32_t> open{static_cast<uint32_t>(steps.size() - 1)};
+  while (!open.empty()) {
+    const Step& step = steps[open.back()];
+    open.pop_back();
+    if (step.solid) ways.push_back(step.way);
+    open.insert(open.end(), step.operands.rbegin(), step.operands.rend());
+  }
+  return ways;
+}
+
+CsgPlan plan_csg(const Where& where, const v1::Csg& csg, const v1::Scene& scene, double time,
+                 NodeWays* ways) {
+  Planner planner(scene, time, ways);
   const Part whole = planner.combine(where, csg, Affine{});
   CsgPlan plan = planner.take();
   if (!whole) return {};

@@ -27,10 +27,10 @@ bool fit_a_row(std::span<const Instance> instances) {
   const auto held = std::count_if(instances.begin(), instances.end(), [](const Instance& instance) {
     return can_be_held(instance, bounds_of(instance));
   });
-  return held > 0 && held <= std::ptrdiff_t{BoxRow::kMost};
+  return held > 0 && held <= std::ptrdiff_t{BoxSoA::kMost};
 }
 
-LightBuffer buffer_of(const Light& light, const BoxRow& row) {
+LightBuffer buffer_of(const Light& light, const BoxSoA& row) {
   const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
   return placed ? LightBuffer::of_place(row, light.position)
                 : LightBuffer::of_direction(row, light.direction);
@@ -56,10 +56,9 @@ Occluders make_occluders(std::span<const Instance> instances, const std::vector<
   const auto make = [&](std::vector<Instance> of) -> std::shared_ptr<const Accelerator> {
     if (of.empty()) return nullptr;
     return make_instance_accelerator(std::move(of), settings.kind, settings.threads,
-                                     settings.scan_few, *settings.code);
+                                     *settings.code);
   };
-  const bool looks_up =
-      settings.scan_few && settings.kind != AcceleratorKind::linear && are_few_and_near(lights);
+  const bool looks_up = settings.kind != AcceleratorKind::linear && are_few_and_near(lights);
   if (is_as_all && opaque.size() == instances.size()) {
     result.opaque = all;
   } else if (looks_up && fit_a_row(opaque)) {

@@ -34,7 +34,6 @@ struct Occluders {
 struct TreeSettings {
   AcceleratorKind kind = AcceleratorKind::bvh;
   int threads = 1;
-  bool scan_few = true;
   const BvhKernels* code = &kernels();
 };
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/film/tile.h"
@@ -47,11 +48,9 @@ uint32_t choose(std::string_view name, uint32_t frame, bool in_scene, uint32_t s
 std::string choose(std::string_view field, const std::string& frame, const std::string& scene,
                    const std::vector<std::string>& names) {
   const std::string& name = !frame.empty() ? frame : !scene.empty() ? scene : names.front();
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
-    fail_value(kSettings, field, fmt::format("'{}'", name),
-               fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(name, names)));
-  }
-  return name;
+  if (const auto known = find_choice(names, name)) return *known;
+  fail_value(kSettings, field, fmt::format("'{}'", name),
+             fmt::format("one of {}{}", fmt::join(names, ", "), suggestion(name, names)));
 }
 
 /// Where the name is in the list, which has it.
@@ -164,6 +163,11 @@ const std::vector<std::string>& sample_pattern_names() {
 const std::vector<std::string>& pixel_filter_names() {
   static const std::vector<std::string> names{"box", "tent", "gaussian", "mitchell",
                                               "blackman-harris"};
+  return names;
+}
+
+const std::vector<std::string>& shadows_names() {
+  static const std::vector<std::string> names{"on", "by-light", "off"};
   return names;
 }
 

@@ -34,6 +34,10 @@ const std::vector<std::string>& pixel_filter_names();
 /// The names of --pattern, in the order of SamplePattern.
 const std::vector<std::string>& sample_pattern_names();
 
+/// The names of --shadows, in the order of v1::IntegratorSettings::Shadows; the first is the
+/// default.
+const std::vector<std::string>& shadows_names();
+
 inline constexpr double kMaxFilterRadius = 16;  ///< pixels
 inline constexpr uint32_t kDefaultFrameWidth = 960, kDefaultFrameHeight = 540;
 inline constexpr uint32_t kMaxSamplesPerPixel = 1 << 20;

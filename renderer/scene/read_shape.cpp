@@ -71,7 +71,7 @@ BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSou
                     ? make_deferred_mesh_shape(std::move(mesh), source.accelerator, source.threads,
                                                source.deferred, shared)
                     : make_mesh_shape(std::move(mesh), source.accelerator, source.threads, shared,
-                                      source.scan_few, *source.code);
+                                      *source.code);
   return built;
 }
 

@@ -27,7 +27,6 @@ struct ShapeSource {
   KeptAttributes keep{};
   std::shared_ptr<DeferredBuilds> deferred{};  ///< where set, trees are built when first needed
   Sharing sharing{};                           ///< of trees
-  bool scan_few = true;                        ///< what is too small for a tree gets none
   const BvhKernels* code = &kernels();         ///< of the trees
 };
 

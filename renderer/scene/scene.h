@@ -12,11 +12,11 @@
 #include "renderer/film/tile.h"
 #include "renderer/sampler/sampler.h"
 #include "renderer/scene/area_lights.h"
-#include "renderer/scene/light_reach.h"
+#include "renderer/scene/light_grid.h"
 #include "renderer/scene/occluders.h"
+#include "renderer/scene/origins.h"
 #include "renderer/scene/read_settings.h"
 #include "renderer/scene/sample_cones.h"
-#include "renderer/scene/skips.h"
 #include "renderer/shading/background.h"
 #include "renderer/shading/environment_sampler.h"
 #include "renderer/shading/glass_albedo.h"
@@ -41,22 +41,17 @@ struct SceneFeatures {
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
   bool veils = false;      ///< some surface may let a ray through unbent
   bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
-  /// Of what a hit may ask for, nothing but classic Lambert materials, with highlights, the same
-  /// from both sides, and lights of which an occluder takes all: no fog, nothing of the above but
-  /// shadows, and no switch of Skips off that a hit would meet.
-  bool plain = false;
-  /// The same with mirrors, surfaces without back faces, any diffuse model and lights of which far
-  /// occluders take nothing: no ray is sent on in more than one direction.
+  /// Nothing but opaque classic materials and lights of which an occluder takes all, and no fog: no
+  /// ray is sent on in more than one direction.
   bool simple = false;
 
-  int absent() const { return !shadows + !secondary + !rich + lambert + plain; }
+  int absent() const { return !shadows + !secondary + !rich + lambert + simple; }
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built
 /// and shared by threads.
 struct Scene {
   RenderSettings settings;
-  Skips skips;
   std::optional<Camera> camera;    ///< always there once built
   std::optional<Sampler> sampler;  ///< always there once built
   Background background;
@@ -69,9 +64,10 @@ struct Scene {
   SampleCones cones;
   std::vector<uint32_t> material_slots;  ///< indices into materials
   std::vector<Instance> instances;
-  std::vector<InstanceShading> shading;  ///< one an instance
+  std::vector<InstanceShading> shading;    ///< one an instance
+  std::shared_ptr<const Origins> origins;  ///< of instances; null where nobody asks for them
   std::vector<Light> lights;
-  LightReach global_lights;                          ///< indices into lights
+  LightGrid global_lights;                           ///< indices into lights
   std::vector<std::vector<uint32_t>> scoped_lights;  ///< the others of each scope, ascending
 
   // For the path integrator.

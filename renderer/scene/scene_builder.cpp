@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/cancellation.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/plural.h"
@@ -13,12 +14,12 @@
 #include "renderer/scene/csg_plan.h"
 #include "renderer/scene/material_table.h"
 #include "renderer/scene/outline.h"
-#include "renderer/scene/plain_features.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_shading.h"
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
 #include "renderer/scene/seen_rect.h"
+#include "renderer/scene/simple_features.h"
 #include "renderer/shading/media.h"
 
 namespace tessera {
@@ -38,20 +39,18 @@ struct ShapeMaterials {
 class SceneBuilder {
  public:
   SceneBuilder(const v1::Scene& description, const BlobStore& blobs, const v1::FrameSettings& frame,
-               int threads, const Sharing& sharing, const Skips& skips, SceneNames* names)
+               int threads, const Sharing& sharing, const BuildScope& scope, SceneNames* names)
       : description_(description),
         frame_(frame),
+        scope_(scope),
         names_(names),
         source_{.blobs = blobs,
                 .accelerator = {},
                 .threads = threads,
                 .keep = {.normals = true, .uvs = true, .colors = true},
-                .sharing = sharing,
-                .scan_few = skips.small_trees},
+                .sharing = sharing},
         textures_(description, blobs),
-        materials_(description, textures_) {
-    scene_->skips = skips;
-  }
+        materials_(description, textures_) {}
 
   std::shared_ptr<const Scene> build() {
     if (description_.includes_size() > 0) {
@@ -66,15 +65,17 @@ class SceneBuilder {
     scene_->sampler.emplace(settings.sampler);
     scene_->background = read_background(description_.background(), textures_);
     scene_->fog = read_fog(description_.fog());
-    graph_ = unfold_graph(description_, settings.time, choice.settings.world_from_camera);
+    graph_ = unfold_graph(description_, settings.time, choice.settings.world_from_camera,
+                          settings.aovs.has(Aov::origin));
     add_materials(choice);
     build_shapes();
     add_instances();
+    if (settings.aovs.has(Aov::origin)) add_origins();
     add_camera(choice);
     add_lights(choice);
     if (settings.integrator == IntegratorKind::path) add_path_lights();
     build_accelerators();
-    find_plain_features(*scene_, is_any_clear_);
+    scene_->features.simple = has_simple_features(*scene_, is_any_clear_);
     scene_->seen = seen_rect(*scene_);
     count();
     return scene_;
@@ -167,15 +168,13 @@ class SceneBuilder {
     scene_->lights = graph_.lights;
     // A glowing background looks at every light, but a black one lights no surface.
     const auto is_dark = [&](uint32_t i) {
-      return scene_->skips.dark_lights && is_black(scene_->lights[i].intensity) &&
-             is_black(scene_->lights[i].ambient);
+      return is_black(scene_->lights[i].intensity) && is_black(scene_->lights[i].ambient);
     };
     std::vector<uint32_t> globals = std::move(graph_.global_lights);
     scene_->scoped_lights = std::move(graph_.scopes);
     scene_->counters["lights_dark"] = std::erase_if(globals, is_dark);
     std::sort(globals.begin(), globals.end());
-    scene_->global_lights =
-        LightReach(scene_->lights, std::move(globals), scene_->skips.distant_lights);
+    scene_->global_lights = LightGrid(scene_->lights, std::move(globals));
     for (std::vector<uint32_t>& scope : scene_->scoped_lights) {
       std::erase_if(scope, is_dark);
       std::sort(scope.begin(), scope.end());
@@ -190,7 +189,8 @@ class SceneBuilder {
       csg_plans_.emplace_back();
       if (graph_shape.shape->has_csg()) {
         CsgPlan& plan = csg_plans_.back();
-        plan = plan_csg(where, graph_shape.shape->csg(), description_, scene_->settings.time);
+        plan = plan_csg(where, graph_shape.shape->csg(), description_, scene_->settings.time,
+                        scene_->settings.aovs.has(Aov::origin) ? &graph_.ways : nullptr);
         for (const CsgPlan::Step& step : plan.steps) {
           if (step.solid) use_materials({.kind = step.path.c_str()}, *step.solid);
         }
@@ -202,15 +202,11 @@ class SceneBuilder {
     }
     choose_integrator(choice);
     for (ShapeMaterials& entry : shape_materials_) classify(entry);
-    const bool as_absent = scene_->skips.absent_features;
-    scene_->features.rich = scene_->features.secondary = !as_absent;
-    scene_->features.lambert = as_absent;
+    scene_->features.lambert = true;
     for (const Material& material : materials_.materials()) {
       scene_->features.rich |= material.is_rich();
       scene_->features.lambert &= material.is_lambert();
     }
-    for (const v1::Texture& texture : description_.textures())
-      if (!scene_->skips.unused_textures) textures_.use({.kind = "scene"}, texture.name());
     scene_->materials = materials_.take();
     scene_->inputs = materials_.take_inputs();
     texture_count_ = textures_.size();
@@ -281,14 +277,15 @@ class SceneBuilder {
     // visits must not see which rays came before a tree was there.
     const auto meshes = std::count_if(graph_.shapes.begin(), graph_.shapes.end(),
                                       [](const GraphShape& s) { return s.shape->has_mesh(); });
-    if (meshes > 1 && scene_->skips.unhit_meshes && scene_->settings.view != View::cost)
+    if (meshes > 1 && !scope_.all_meshes && scene_->settings.view != View::cost)
       scene_->built_when_hit = std::make_shared<DeferredBuilds>();
     const auto build_one = [&](size_t i, int threads) {
+      Cancellation::check();
       const Where where{.kind = graph_.shapes[i].path.c_str()};
       const v1::Shape& shape = *graph_.shapes[i].shape;
       ShapeSource source = source_;
       source.threads = threads;
-      if (scene_->skips.unused_attributes) source.keep = shape_materials_[i].keep;
+      if (!scope_.all_attributes) source.keep = shape_materials_[i].keep;
       source.deferred = scene_->built_when_hit;
       shapes_[i] =
           shape.has_csg() ? read_csg(csg_plans_[i], source) : read_shape(where, shape, source);
@@ -321,12 +318,23 @@ class SceneBuilder {
       instance_shapes_.push_back(in.shape);
       if (names_)
         names_->instances.push_back(in.name ? *in.name : graph_.shapes[in.shape].shape->name());
-      is_clear_.push_back(materials.is_clear || !scene_->skips.opaque_as_clear);
-      is_veil_.push_back(materials.is_veil || !scene_->skips.opaque_as_clear);
+      is_clear_.push_back(materials.is_clear);
+      is_veil_.push_back(materials.is_veil);
       is_any_clear_ |= materials.is_clear;
       scene_->features.veils |= materials.is_veil;
       scene_->features.secondary |= materials.has_secondary;
     }
+  }
+
+  void add_origins() {
+    auto origins = std::make_shared<Origins>(description_, std::move(graph_.ways));
+    for (const CsgPlan& plan : csg_plans_) origins->add_shape(plan.solid_ways());
+    size_t i = 0;
+    for (const GraphInstance& in : graph_.instances) {
+      if (!shapes_[in.shape].shape) continue;
+      origins->add_instance(scene_->instances[i++].shape.get(), in.shape, in.way);
+    }
+    scene_->origins = std::move(origins);
   }
 
   void add_path_lights() {
@@ -341,10 +349,9 @@ class SceneBuilder {
   void build_accelerators() {
     const std::vector<Instance>& instances = scene_->instances;
     if (instances.empty()) return;
-    const TreeSettings settings{source_.accelerator, source_.threads, source_.scan_few,
-                                source_.code};
-    scene_->surfaces = make_instance_accelerator(instances, settings.kind, settings.threads,
-                                                 settings.scan_few, *settings.code);
+    const TreeSettings settings{source_.accelerator, source_.threads, source_.code};
+    scene_->surfaces =
+        make_instance_accelerator(instances, settings.kind, settings.threads, *settings.code);
     const auto occluders_of = [&](const std::vector<bool>& is_clear,
                                   const std::vector<bool>& counts) {
       return make_occluders(instances, is_clear, counts, scene_->surfaces, scene_->lights,
@@ -353,11 +360,10 @@ class SceneBuilder {
     std::vector<bool> casts(instances.size());
     const bool has_shadows = std::any_of(scene_->lights.begin(), scene_->lights.end(),
                                          [](const Light& light) { return light.casts_shadow; });
-    scene_->features.shadows = !scene_->skips.absent_features;
     for (size_t i = 0; has_shadows && i < instances.size(); ++i) {
       if (!instances[i].casts_shadow) continue;
       scene_->features.shadows = true;
-      casts[i] = !scene_->skips.shadowless_planes || !shades_nothing(instances[i], scene_->lights);
+      casts[i] = !shades_nothing(instances[i], scene_->lights);
       if (!casts[i]) ++scene_->counters["planes_without_shadow"];
     }
     if (scene_->features.shadows) scene_->occluders = occluders_of(is_clear_, casts);
@@ -414,6 +420,7 @@ class SceneBuilder {
 
   const v1::Scene& description_;
   const v1::FrameSettings& frame_;
+  BuildScope scope_;
   SceneNames* const names_;
   ShapeSource source_;
   TextureTable textures_;
@@ -433,9 +440,9 @@ class SceneBuilder {
 
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const Sharing& sharing, const Skips& skips,
+                                         const Sharing& sharing, const BuildScope& scope,
                                          SceneNames* names) {
-  return SceneBuilder(description, blobs, frame, threads, sharing, skips, names).build();
+  return SceneBuilder(description, blobs, frame, threads, sharing, scope, names).build();
 }
 
 }  // namespace tessera

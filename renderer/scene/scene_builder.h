@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/live_things.h"
+#include "base/weak_cache.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
@@ -18,13 +18,18 @@ struct SceneNames {
   std::vector<std::string> materials;  ///< one each of Scene::material_slots; empty: the default
 };
 
+/// What is built although the frame's picture does not depend on it.
+struct BuildScope {
+  bool all_meshes = false;      ///< at once: else the tree of a mesh is built when a ray reaches it
+  bool all_attributes = false;  ///< of meshes: else those that a material or the frame reads
+};
+
 /// Builds the frame's scene. Throws a scene error where the description is wrong, or names an
 /// integrator, camera or accelerator that there is not. `threads` do not change the result, nor
-/// does where trees are shared.
-/// `skips` change no picture beyond what docs/skipping.md says. Fills `names`, if it is given.
+/// does where trees are shared. Fills `names`, if it is given.
 std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const BlobStore& blobs,
                                          const v1::FrameSettings& frame, int threads,
-                                         const Sharing& sharing = {}, const Skips& skips = {},
+                                         const Sharing& sharing = {}, const BuildScope& scope = {},
                                          SceneNames* names = nullptr);
 
 }  // namespace tessera

@@ -23,6 +23,7 @@ struct Inherited {
   bool casts_shadow = true;
   int depth = 0;
   const std::string* name = nullptr;
+  uint32_t way = kNoWay;
 };
 
 Vec3 column(const Affine& frame, size_t number) {
@@ -63,8 +64,8 @@ struct Unfolded {
 
 class Walker {
  public:
-  Walker(const v1::Scene& scene, double time, const Affine& viewer)
-      : scene_(scene), time_(time), viewer_(viewer) {
+  Walker(const v1::Scene& scene, double time, const Affine& viewer, bool keep_ways)
+      : scene_(scene), time_(time), viewer_(viewer), keep_ways_(keep_ways) {
     graph_.scopes.emplace_back();
     for (const v1::Object& object : scene.objects()) {
       const Where where{.kind = "object", .name = object.name()};
@@ -112,6 +113,7 @@ class Walker {
     }
     inherited.casts_shadow = inherited.casts_shadow && !node.casts_no_shadow();
     if (!node.name().empty()) inherited.name = &node.name();
+    if (keep_ways_) inherited.way = graph_.ways.add(node, inherited.way);
     ++inherited.depth;
     if (node.has_shape()) add_instance(where, node.shape(), inherited);
     if (!node.instance_of().empty()) enter_object(where, node.instance_of(), inherited);
@@ -211,7 +213,7 @@ class Walker {
       graph_.shapes.push_back({&shape, Where{&where, "shape", shape.name()}.str()});
     }
     graph_.instances.push_back({known->second, inherited.world_from_parent, inherited.scope,
-                                inherited.casts_shadow, inherited.name});
+                                inherited.casts_shadow, inherited.name, inherited.way});
   }
 
   /// Adds the lights that these siblings hold; returns the scope that they share.
@@ -257,6 +259,7 @@ class Walker {
   const v1::Scene& scene_;
   const double time_;
   const Affine viewer_;
+  const bool keep_ways_;
   SceneGraph graph_;
   size_t scoped_lights_ = 0;
   std::unordered_map<std::string_view, const v1::Object*> objects_;
@@ -269,8 +272,8 @@ class Walker {
 
 }  // namespace
 
-SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer) {
-  return Walker(scene, time, viewer).run();
+SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer, bool keep_ways) {
+  return Walker(scene, time, viewer, keep_ways).run();
 }
 
 }  // namespace tessera

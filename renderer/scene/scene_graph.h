@@ -7,6 +7,7 @@
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/math/transform.h"
+#include "renderer/scene/node_ways.h"
 #include "renderer/shading/light.h"
 
 namespace tessera {
@@ -23,6 +24,7 @@ struct GraphInstance {
   uint32_t scope = 0;        ///< into SceneGraph::scopes
   bool casts_shadow = true;
   const std::string* name = nullptr;  ///< of the nearest node above that has one, or null
+  uint32_t way = kNoWay;              ///< into NodeWays; kNoWay where they are not kept
 };
 
 /// The nodes unfolded, in drawing order, without what is hidden, off or flat.
@@ -33,6 +35,7 @@ struct SceneGraph {
   std::vector<uint32_t> global_lights;  ///< those that light everything
   std::vector<std::vector<uint32_t>>
       scopes;  ///< the other lights of each scope; the first is empty
+  NodeWays ways;
   size_t hidden_nodes = 0, flat_nodes = 0, lights_off = 0, objects_used = 0;
 };
 
@@ -45,7 +48,9 @@ inline constexpr size_t kMaxInstances = size_t{1} << 22;
 
 /// Unfolds the scene's nodes and objects at `time`. Throws a scene error for cycles, unknown names,
 /// and what is too deep or too much.
-/// `viewer` is the frame of the camera that billboards turn to.
-SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer);
+/// `viewer` is the frame of the camera that billboards turn to. Ways to instances are kept where
+/// `keep_ways` is set.
+SceneGraph unfold_graph(const v1::Scene& scene, double time, const Affine& viewer,
+                        bool keep_ways = false);
 
 }  // namespace tessera

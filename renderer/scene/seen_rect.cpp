@@ -12,7 +12,6 @@ namespace tessera {
 PixelRect seen_rect(const Scene& scene) {
   const RenderSettings& settings = scene.settings;
   const PixelRect frame{0, 0, settings.width, settings.height};
-  if (!scene.skips.background_pixels) return frame;
   if (!scene.surfaces) return {};
   if (scene.camera->lens_samples() > 0) return frame;  // what is out of focus spreads
   const Bounds3 box = scene.surfaces->bounds();

@@ -55,8 +55,6 @@ struct BsdfSample {
 /// Also a lane each in lane_lambert-inl.h, to the bit.
 class LambertBsdf {
  public:
-  static constexpr bool kHasChoice = false;  ///< whether sample() reads `choice`
-  static constexpr bool kIsEven = true;      ///< whether each sample's weight is the albedo
   explicit LambertBsdf(const BsdfPoint& point)
       : albedo_(bounded(point.diffuse)),
         normal_(facing_normal(point)),
@@ -103,7 +101,6 @@ class LambertBsdf {
 /// A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
  public:
-  static constexpr bool kHasChoice = true, kIsEven = false;
   explicit Bsdf(const BsdfPoint& point);
 
   /// Whether evaluate() can be anything but black.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kLeastColumns = 256, kMostColumns = 2048;
 /// How many times the mean is left to scattering. Of 0, .5, .7, .85, 1, 1.3, 1.6, 2, 3 and 5 on
-/// five scenes (docs/light_transport.md) 1.6 and more have the least noise.
+/// five scenes (docs/notes/light_transport_measured.md) 1.6 and more have the least noise.
 constexpr float kEvenMeans = 2;
 
 /// How many texels a picture, or the four around a cube, has round the horizon; 0: none.

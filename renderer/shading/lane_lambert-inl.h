@@ -15,23 +15,23 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE Lanes greatest(const Lanes3& c) { return greater(c.x, greater(c.y, c.z)); }
+HWY_INLINE Lanes greatest(const Lanes3& c) { return max(c.x, max(c.y, c.z)); }
 /// bounded() of a colour.
 HWY_INLINE Lanes3 bounded(const Lanes3& color) {
   const Lanes largest = greatest(color);
-  const auto exceeds = hn::Gt(largest, all(1));
-  return choose(exceeds, multiply(color, hn::Div(all(1), largest)), color);
+  const auto exceeds = hn::Gt(largest, broadcast(1));
+  return select(exceeds, multiply(color, hn::Div(broadcast(1), largest)), color);
 }
 
 /// small_sine_cosine()
 HWY_INLINE Lanes2 small_sine_cosine(Lanes x) {
   const auto minus = [](double a, Lanes q, double b)
-                         HWY_ATTR { return hn::Sub(all(a), hn::Mul(q, all(b))); };
+                         HWY_ATTR { return hn::Sub(broadcast(a), hn::Mul(q, broadcast(b))); };
   const Lanes q = hn::Mul(x, x), q2 = hn::Mul(q, q), q4 = hn::Mul(q2, q2);
-  const Lanes sine = hn::Add(
-      hn::Add(minus(1, q, 1.0 / 6), hn::Mul(q2, minus(1.0 / 120, q, 1.0 / 5040))),
-      hn::Mul(q4,
-              hn::Add(minus(1.0 / 362880, q, 1.0 / 39916800), hn::Mul(q2, all(1.0 / 6227020800)))));
+  const Lanes sine =
+      hn::Add(hn::Add(minus(1, q, 1.0 / 6), hn::Mul(q2, minus(1.0 / 120, q, 1.0 / 5040))),
+              hn::Mul(q4, hn::Add(minus(1.0 / 362880, q, 1.0 / 39916800),
+                                  hn::Mul(q2, broadcast(1.0 / 6227020800)))));
   const Lanes cosine =
       hn::Add(hn::Add(minus(1, q, 1.0 / 2), hn::Mul(q2, minus(1.0 / 24, q, 1.0 / 720))),
               hn::Mul(q4, hn::Add(minus(1.0 / 40320, q, 1.0 / 3628800),
@@ -40,21 +40,22 @@ HWY_INLINE Lanes2 small_sine_cosine(Lanes x) {
 }
 /// cosine_hemisphere_point()
 HWY_INLINE Lanes3 cosine_hemisphere_point(const Lanes2& u) {
-  const Lanes zero = hn::Zero(kLaneTag), one = all(1), two = all(2);
+  const Lanes zero = hn::Zero(kLaneTag), one = broadcast(1), two = broadcast(2);
   const Lanes a = hn::Sub(hn::Mul(two, u.x), one), b = hn::Sub(hn::Mul(two, u.y), one);
   const auto is_middle = hn::And(hn::Eq(a, zero), hn::Eq(b, zero));
   const auto wide = hn::Gt(hn::Abs(a), hn::Abs(b));
   const Lanes longer = hn::IfThenElse(wide, a, b), shorter = hn::IfThenElse(wide, b, a);
-  const Lanes2 turn = small_sine_cosine(hn::Mul(all(portable::kPi / 4), hn::Div(shorter, longer)));
+  const Lanes2 turn =
+      small_sine_cosine(hn::Mul(broadcast(portable::kPi / 4), hn::Div(shorter, longer)));
   const Lanes along = hn::Mul(longer, turn.y), across = hn::Mul(longer, turn.x);
   const Lanes x = hn::IfThenZeroElse(is_middle, hn::IfThenElse(wide, along, across));
   const Lanes y = hn::IfThenZeroElse(is_middle, hn::IfThenElse(wide, across, along));
   const Lanes left = hn::Sub(hn::Sub(one, hn::Mul(x, x)), hn::Mul(y, y));
-  return {x, y, hn::Sqrt(greater(zero, left))};
+  return {x, y, hn::Sqrt(max(zero, left))};
 }
 /// Frame(z).from_local(v)
 HWY_INLINE Lanes3 from_local(const Lanes3& z, const Lanes3& v) {
-  const Lanes one = all(1);
+  const Lanes one = broadcast(1);
   const Lanes sign = hn::CopySign(one, z.z);
   const Lanes a = hn::Div(hn::Neg(one), hn::Add(sign, z.z));
   const Lanes b = hn::Mul(hn::Mul(z.x, z.y), a);
@@ -76,13 +77,13 @@ class LaneLambert {
                          const Lanes3& wo)
       : albedo_(bounded(diffuse)), facet_(facet) {
     const auto faces = hn::Gt(dot(shading, wo), hn::Zero(kLaneTag));
-    normal_ = choose(faces, shading, facet);
+    normal_ = select(faces, shading, facet);
   }
   const Lanes3& albedo() const { return albedo_; }
   HWY_INLINE LaneValue evaluate(const Lanes3& wi) const {
     const Lanes zero = hn::Zero(kLaneTag), cosine = dot(wi, normal_);
     const auto is_lit = hn::And(hn::Gt(cosine, zero), hn::Gt(dot(wi, facet_), zero));
-    const Lanes density = hn::IfThenElseZero(is_lit, hn::Mul(cosine, all(1 / portable::kPi)));
+    const Lanes density = hn::IfThenElseZero(is_lit, hn::Mul(cosine, broadcast(1 / portable::kPi)));
     const Lanes3 share = multiply(albedo_, density);
     return {{hn::IfThenElseZero(is_lit, share.x), hn::IfThenElseZero(is_lit, share.y),
              hn::IfThenElseZero(is_lit, share.z)},
@@ -93,7 +94,7 @@ class LaneLambert {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3 local = cosine_hemisphere_point(u);
     wi = from_local(normal_, local);
-    density = hn::Mul(local.z, all(1 / portable::kPi));
+    density = hn::Mul(local.z, broadcast(1 / portable::kPi));
     return hn::And(hn::Gt(local.z, zero), hn::Gt(dot(wi, facet_), zero));
   }
 

@@ -115,11 +115,6 @@ struct Material {
     return model == MaterialModel::classic && !is_rich() && is_opaque() && is_black(absorption) &&
            sides != Sides::back_material && !flat && grain == 0;
   }
-  /// Whether it is also Lambert but for its highlight, no mirror, and the same from both sides.
-  bool is_plain() const {
-    return is_simple() && !is_mirror() && diffuse_model == DiffuseModel::lambert &&
-           sides == Sides::two_sided;
-  }
   /// Whether more than the classic formulas is needed to shade it.
   bool is_rich() const {
     return inputs != kNoMaterialInputs || alpha < 1 || model >= MaterialModel::physical;
@@ -134,14 +129,12 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
 /// The share of a light's radiant intensity that leaves towards `wo`: diffuse and specular term.
 /// `diffuse` is the material's, after vertex colours; `n`, `wi` (to the light) and `wo` (to the
 /// viewer) are of unit length. The specular term is zero where the light is behind the surface.
-/// `kLambert`: the material's diffuse term is known to be Lambert's.
-/// Also a lane each in mirror_row_follower-inl.h, to the bit.
-template <bool kLambert = false>
+/// Also a lane each in whitted_wavefront-inl.h, to the bit.
 [[gnu::always_inline]] inline Color reflected_share(const Material& material, const Color& diffuse,
                                                     const Vec3& n, const Vec3& wi, const Vec3& wo) {
   const double n_dot_l = dot(n, wi);
   double factor = n_dot_l;
-  if (kLambert || material.diffuse_model == DiffuseModel::lambert) {
+  if (material.diffuse_model == DiffuseModel::lambert) {
     factor = std::max(n_dot_l, 0.0);
   } else if (material.diffuse_model == DiffuseModel::half_lambert) {
     factor = half_lambert(n_dot_l, material.diffuse_exponent);

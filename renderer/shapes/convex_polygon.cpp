@@ -1,6 +1,9 @@
 #include "renderer/shapes/convex_polygon.h"
 
+#include <fmt/format.h>
+
 #include "base/error.h"
+#include "base/plural.h"
 #include "renderer/shapes/planar.h"
 #include "renderer/shapes/projected_edge.h"
 
@@ -33,33 +36,35 @@ struct EdgeSides {
 
 }  // namespace
 
-bool ConvexPolygon::is_convex(std::span<const Point3> points) {
-  if (points.size() < 3) return false;
+std::string ConvexPolygon::fault_of(std::span<const Point3> points) {
+  if (points.size() < 3) return fmt::format("a polygon of {}", counted(points.size(), "point"));
   for (const Point3& p : points)
-    if (!is_finite(p - Point3{})) return false;
+    if (!is_finite(p - Point3{})) return "a point of a polygon that is not finite";
   const Vec3 normal = area_vector(points);
-  if (!is_finite(normal) || normal == Vec3{}) return false;
+  if (!is_finite(normal) || normal == Vec3{}) return "a polygon without an area";
   const Vec3 n = normalize(normal);
   const double extent = length(box_of(points).diagonal());
-  double turned = 0;
+  double turned = 0, distance = 0;
+  bool turns_back = false;
   for (size_t i = 0; i < points.size(); ++i) {
     const Point3& a = points[i];
     const Vec3 in = points[(i + 1) % points.size()] - a;
     const Vec3 out = points[(i + 2) % points.size()] - points[(i + 1) % points.size()];
-    if (std::abs(dot(n, a - points[0])) > 1e-6 * extent) return false;
-    if (dot(n, accurate_cross(in, out)) < -1e-12 * (length(in) * length(out))) return false;
+    distance = std::max(distance, std::abs(dot(n, a - points[0])));
     // Once round, and not twice as a pentagram: every triangle of the fan turns the same way.
     const double fan = dot(n, accurate_cross(a - points[0], in));
-    if (fan < -1e-12 * (extent * extent)) return false;
+    turns_back |= dot(n, accurate_cross(in, out)) < -1e-12 * (length(in) * length(out)) ||
+                  fan < -1e-12 * (extent * extent);
     turned += fan;
   }
-  return turned > 0;
+  if (distance > 1e-6 * extent)
+    return fmt::format("a point of a polygon that is {:.3g} m off its plane", distance);
+  return turns_back || !(turned > 0) ? "a polygon that is not convex" : "";
 }
 
 ConvexPolygon::ConvexPolygon(std::vector<Point3> points) : points_(std::move(points)) {
-  if (!is_convex(points_))
-    throw scene_error(
-        "a polygon is not flat and convex; expected 3 or more finite points round a flat area");
+  if (const std::string fault = fault_of(points_); !fault.empty())
+    throw scene_error(fault + "; expected 3 or more finite points round a flat convex area");
   normal_ = area_vector(points_);
   const Vec3 n = normalize(normal_);
   size_t second = 1;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "renderer/shapes/shape.h"
@@ -14,11 +15,11 @@ namespace tessera {
 /// rectangle around it.
 class ConvexPolygon final : public Shape {
  public:
-  /// Throws Error where is_convex(points) does not hold.
+  /// Throws Error where there is a fault_of(points).
   explicit ConvexPolygon(std::vector<Point3> points);
-  /// At least three finite points round a convex area, in either sense, flat to within a millionth
-  /// of their extent; three in a line are allowed.
-  static bool is_convex(std::span<const Point3> points);
+  /// Why the points are no polygon; empty for at least three finite ones round a convex area, in
+  /// either sense, flat to within a millionth of their extent; three in a line are allowed.
+  static std::string fault_of(std::span<const Point3> points);
 
   std::span<const Point3> points() const { return points_; }
   Bounds3 bounds() const override { return bounds_; }
@@ -48,7 +49,7 @@ class Rectangle final : public Shape {
   const Vec3& share_v() const { return share_v_; }  ///< the other way round
   int axis() const { return axis_; }                ///< along which the normal is; -1: along none
   Bounds3 bounds() const override;
-  /// Also a lane each in few_rows-inl.h, to the bit.
+  /// Also a lane each in instance_soa-inl.h, to the bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   /// Also a lane each in lane_surface-inl.h, to the bit.

@@ -1,5 +1,8 @@
 #include "renderer/shapes/frustum.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 #include "renderer/math/accurate_dot.h"
 #include "renderer/math/elementary.h"
@@ -41,9 +44,18 @@ bool Frustum::is_open(Part part) const {
   return part == kSide ? open_.side : part == kTop ? open_.top : open_.bottom;
 }
 
-bool Frustum::cross_side(const Ray& ray, Stretch& inside) const {
-  const Point3& o = ray.origin;
-  const Vec3& d = ray.direction;
+bool Frustum::cross_side(const Point3& o, const Vec3& d, Stretch& inside) const {
+  // Only how the line moves across the axis and the radius grows counts, whose squares must not
+  // underflow.
+  const double across = std::max({std::abs(d.x), std::abs(d.z), std::abs(slope_ * d.y)});
+  if (across < 0x1p-480 && across > 0) [[unlikely]] {
+    const int exponent = std::ilogb(across);
+    const double along = slope_ == 0 ? 0 : std::ldexp(d.y, -exponent);
+    const Vec3 scaled{std::ldexp(d.x, -exponent), along, std::ldexp(d.z, -exponent)};
+    if (!cross_side(o, scaled, inside)) return false;
+    for (double* t : {&inside.enter, &inside.leave}) *t = std::ldexp(*t, -exponent);
+    return true;
+  }
   // a t^2 + 2 b t + c is the squared distance from the axis less the squared radius there, which is
   // radius + grow t. Both are sums of two doubles: their products cancel far from the solid.
   const auto widening = [this](double y) {
@@ -108,7 +120,7 @@ bool Frustum::cross(const Ray& ray, Crossing& enter, Crossing& leave) const {
     leave = d < 0 ? Crossing{bottom, kBottom} : Crossing{top, kTop};
   }
   Stretch side;
-  if (!cross_side(ray, side)) return false;
+  if (!cross_side(ray.origin, ray.direction, side)) return false;
   // A cap of no radius is the apex, which belongs to the side.
   const auto is_point = [this](Part part) {
     return (part == kTop ? top_radius_ : bottom_radius_) == 0;

@@ -54,7 +54,7 @@ class Frustum : public ConvexSolid {
   bool is_open(Part part) const;
   double radius_at(double y) const { return mean_radius_ + slope_ * y; }
   /// Where the line is inside the endless cone (one nappe) or cylinder; false for nowhere.
-  bool cross_side(const Ray& ray, Stretch& inside) const;
+  bool cross_side(const Point3& o, const Vec3& d, Stretch& inside) const;
   bool cross(const Ray& ray, Crossing& enter, Crossing& leave) const;
   double event_error(const Ray& ray, const Crossing& at, const RayError& error) const;
   void side_surface(const Point3& near_side, LocalSurface& s) const;

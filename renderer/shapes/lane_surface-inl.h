@@ -23,8 +23,8 @@ namespace HWY_NAMESPACE {
 struct LaneSurface {
   Lanes3 point, error, front, shading;
 };
-template <size_t kRoom>
-HWY_INLINE void store_anywhere(const Lanes3& a, size_t at, double (&parts)[3][kRoom]) {
+template <size_t kPadded>
+HWY_INLINE void store_anywhere(const Lanes3& a, size_t at, double (&parts)[3][kPadded]) {
   hn::StoreU(a.x, kLaneTag, parts[0] + at);
   hn::StoreU(a.y, kLaneTag, parts[1] + at);
   hn::StoreU(a.z, kLaneTag, parts[2] + at);
@@ -34,58 +34,58 @@ HWY_INLINE void store_anywhere(const Lanes3& a, size_t at, double (&parts)[3][kR
 HWY_INLINE void place_in_world(Lanes3& point, Lanes3& error) {
   const Lanes zero = hn::Zero(kLaneTag);
   point = add(point, {zero, zero, zero});  // no -0
-  const Lanes3 size = multiply(abs(point), all(gamma(4)));
-  error = add(add(multiply(error, all(gamma(3) + 1)), size), size);
+  const Lanes3 size = multiply(abs(point), broadcast(gamma(4)));
+  error = add(add(multiply(error, broadcast(gamma(3) + 1)), size), size);
 }
 /// Plane::place_surface().
 HWY_INLINE LaneSurface surface_of(const Plane& plane, const Vec3& front, const Lanes3& at) {
   LaneSurface s;
-  const Lanes3 normal = all(plane.normal());
-  const Lanes offset = all(plane.offset());
+  const Lanes3 normal = broadcast(plane.normal());
+  const Lanes offset = broadcast(plane.offset());
   s.point = at;
   const Lanes distance = hn::Sub(dot(normal, s.point), offset);
   s.point = subtract(s.point, multiply(normal, distance));
   const Lanes terms = hn::Add(sum(abs(multiply(normal, s.point))), hn::Abs(offset));
-  const Lanes error = hn::Mul(all(2), hn::Mul(all(gamma(4)), terms));
-  s.error = add(multiply(abs(s.point), all(gamma(3))), multiply(abs(normal), error));
+  const Lanes error = hn::Mul(broadcast(2), hn::Mul(broadcast(gamma(4)), terms));
+  s.error = add(multiply(abs(s.point), broadcast(gamma(3))), multiply(abs(normal), error));
   place_in_world(s.point, s.error);
-  s.front = s.shading = all(front);
+  s.front = s.shading = broadcast(front);
   return s;
 }
 /// Sphere::surface().
 HWY_INLINE LaneSurface surface_of(const Sphere& sphere, double facing, const Lanes3& at) {
   LaneSurface s;
-  const Lanes3 center = all(sphere.center());
+  const Lanes3 center = broadcast(sphere.center());
   const Lanes3 n = normalize(subtract(at, center));
-  s.point = add(center, multiply(n, all(sphere.radius())));
+  s.point = add(center, multiply(n, broadcast(sphere.radius())));
   const Lanes3 terms =
-      add(add(abs(center), multiply(abs(n), all(5 * sphere.radius()))), abs(s.point));
-  s.error = multiply(terms, all(kUnitRoundoff));
+      add(add(abs(center), multiply(abs(n), broadcast(5 * sphere.radius()))), abs(s.point));
+  s.error = multiply(terms, broadcast(kUnitRoundoff));
   place_in_world(s.point, s.error);
   const Lanes zero = hn::Zero(kLaneTag);
   const Lanes3 whole = add(n, {zero, zero, zero});
-  const auto is_unit = hn::Eq(dot(whole, whole), all(1));
-  s.front = choose(is_unit, whole, normalize(whole));
-  s.front = s.shading = multiply(s.front, all(facing));
+  const auto is_unit = hn::Eq(dot(whole, whole), broadcast(1));
+  s.front = select(is_unit, whole, normalize(whole));
+  s.front = s.shading = multiply(s.front, broadcast(facing));
   return s;
 }
 
 /// Rectangle::surface(), without its normals.
 HWY_INLINE LaneSurface surface_of(const Rectangle& rectangle, Lanes u, Lanes v) {
   LaneSurface s;
-  const Lanes3 corner = all(rectangle.corner());
-  const Lanes3 along = multiply(all(rectangle.edge_u()), u);
-  const Lanes3 up = multiply(all(rectangle.edge_v()), v);
+  const Lanes3 corner = broadcast(rectangle.corner());
+  const Lanes3 along = multiply(broadcast(rectangle.edge_u()), u);
+  const Lanes3 up = multiply(broadcast(rectangle.edge_v()), v);
   s.point = add(add(corner, along), up);
-  s.error = add(multiply(add(abs(along), abs(up)), all(gamma(8))),
-                multiply(add(abs(corner), abs(s.point)), all(gamma(3))));
+  s.error = add(multiply(add(abs(along), abs(up)), broadcast(gamma(8))),
+                multiply(add(abs(corner), abs(s.point)), broadcast(gamma(3))));
   return s;
 }
 
 /// Surfaces in memory.
-template <size_t kRoom>
+template <size_t kPadded>
 struct LaneSurfaces {
-  alignas(64) double point[3][kRoom], error[3][kRoom], front[3][kRoom], shading[3][kRoom];
+  alignas(64) double point[3][kPadded], error[3][kPadded], front[3][kPadded], shading[3][kPadded];
 
   HWY_INLINE LaneSurface load(size_t at) const {
     using HWY_NAMESPACE::load;

@@ -22,12 +22,12 @@ using MatrixRow = std::array<double, 4>;
 
 /// |m[0]| v.x + |m[1]| v.y + |m[2]| v.z
 HWY_INLINE Lanes grown(const MatrixRow& m, const Lanes3& v) {
-  return sum({hn::Mul(all(std::abs(m[0])), v.x), hn::Mul(all(std::abs(m[1])), v.y),
-              hn::Mul(all(std::abs(m[2])), v.z)});
+  return sum({hn::Mul(broadcast(std::abs(m[0])), v.x), hn::Mul(broadcast(std::abs(m[1])), v.y),
+              hn::Mul(broadcast(std::abs(m[2])), v.z)});
 }
 /// |m[0] p.x| + |m[1] p.y| + |m[2] p.z| + |m[3]|
 HWY_INLINE Lanes size_of(const MatrixRow& m, const Lanes3& p) {
-  return hn::Add(grown(m, abs(p)), all(std::abs(m[3])));
+  return hn::Add(grown(m, abs(p)), broadcast(std::abs(m[3])));
 }
 HWY_INLINE Lanes3 of_rows(const auto& of_row) { return {of_row(0), of_row(1), of_row(2)}; }
 
@@ -38,14 +38,14 @@ HWY_INLINE void place_in_world(const Transform& world_from_object, Lanes3& point
   const Lanes3 local = point;
   point = of_rows([&](size_t r) HWY_ATTR {
     const MatrixRow& m = to[r];
-    return hn::Add(hn::Add(hn::Mul(all(m[0]), local.x), hn::Mul(all(m[1]), local.y)),
-                   hn::Add(hn::Mul(all(m[2]), local.z), all(m[3])));
+    return hn::Add(hn::Add(hn::Mul(broadcast(m[0]), local.x), hn::Mul(broadcast(m[1]), local.y)),
+                   hn::Add(hn::Mul(broadcast(m[2]), local.z), broadcast(m[3])));
   });
-  const Lanes3 round_trip =
-      of_rows([&](size_t r) HWY_ATTR { return hn::Mul(all(gamma(4)), size_of(from[r], point)); });
+  const Lanes3 round_trip = of_rows(
+      [&](size_t r) HWY_ATTR { return hn::Mul(broadcast(gamma(4)), size_of(from[r], point)); });
   error = of_rows([&](size_t r) HWY_ATTR {
-    const Lanes given = hn::Mul(all(gamma(3) + 1), grown(to[r], error));
-    const Lanes rounding = hn::Mul(all(gamma(4)), size_of(to[r], local));
+    const Lanes given = hn::Mul(broadcast(gamma(3) + 1), grown(to[r], error));
+    const Lanes rounding = hn::Mul(broadcast(gamma(4)), size_of(to[r], local));
     return hn::Add(hn::Add(given, rounding), grown(to[r], round_trip));
   });
 }
@@ -53,16 +53,16 @@ HWY_INLINE void place_in_world(const Transform& world_from_object, Lanes3& point
 HWY_INLINE Lanes3 normal_in_world(const Transform& world_from_object, const Lanes3& n) {
   const auto& m = world_from_object.inverse_matrix().m;
   return normalize(of_rows([&](size_t c) HWY_ATTR {
-    return sum(
-        {hn::Mul(all(m[0][c]), n.x), hn::Mul(all(m[1][c]), n.y), hn::Mul(all(m[2][c]), n.z)});
+    return sum({hn::Mul(broadcast(m[0][c]), n.x), hn::Mul(broadcast(m[1][c]), n.y),
+                hn::Mul(broadcast(m[2][c]), n.z)});
   }));
 }
 /// The same under the identity.
 HWY_INLINE Lanes3 unmoved_normal(const Lanes3& n) {
   const Lanes zero = hn::Zero(kLaneTag);
   const Lanes3 whole = add(n, {zero, zero, zero});  // no -0
-  const auto is_unit = hn::Eq(dot(whole, whole), all(1));
-  return choose(is_unit, whole, normalize(whole));
+  const auto is_unit = hn::Eq(dot(whole, whole), broadcast(1));
+  return select(is_unit, whole, normalize(whole));
 }
 /// take_to_world()
 HWY_INLINE void take_to_world(const Transform& world_from_object, bool flip_normals,
@@ -78,10 +78,10 @@ HWY_INLINE void take_to_world(const Transform& world_from_object, bool flip_norm
     s.front = normal_in_world(world_from_object, s.front);
     s.shading = normal_in_world(world_from_object, s.shading);
   }
-  s.shading = choose(is_flat, s.front, s.shading);
+  s.shading = select(is_flat, s.front, s.shading);
   if (flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
   const auto is_behind = hn::Lt(dot(s.front, s.shading), hn::Zero(kLaneTag));
-  s.shading = choose(is_behind, negate(s.shading), s.shading);
+  s.shading = select(is_behind, negate(s.shading), s.shading);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -64,7 +64,7 @@ HWY_INLINE LaneSurface surface_of(const TriangleMesh& mesh, const uint32_t* tria
                                   Lanes v, uint32_t& bad) {
   const TriangleLanes lanes(mesh, triangles);
   const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes weight[3] = {hn::Sub(hn::Sub(all(1), u), v), u, v};
+  const Lanes weight[3] = {hn::Sub(hn::Sub(broadcast(1), u), v), u, v};
   Lanes3 corner[3];
   LaneSurface s;
   s.point = s.error = {zero, zero, zero};
@@ -74,11 +74,11 @@ HWY_INLINE LaneSurface surface_of(const TriangleMesh& mesh, const uint32_t* tria
     s.point = add(s.point, share);
     s.error = add(s.error, abs(share));
   }
-  s.error = multiply(s.error, all(gamma(7)));
+  s.error = multiply(s.error, broadcast(gamma(7)));
   const Lanes3 n = accurate_cross(subtract(corner[1], corner[0]), subtract(corner[2], corner[0]));
   const Lanes3 size = abs(n);
-  const Lanes largest = greater(size.x, greater(size.y, size.z));
-  bad = bits_of(hn::Not(hn::Gt(largest, zero)));
+  const Lanes largest = max(size.x, max(size.y, size.z));
+  bad = movemask(hn::Not(hn::Gt(largest, zero)));
   s.front = s.shading = normalize(n);
   if (mesh.normals.empty()) return s;
   const Lanes3 smooth = add(add(multiply(lanes.of(mesh.normals, 0), weight[0]),
@@ -87,7 +87,7 @@ HWY_INLINE LaneSurface surface_of(const TriangleMesh& mesh, const uint32_t* tria
   const Lanes squared = dot(smooth, smooth);
   const auto is_finite = hn::Eq(hn::Mul(sum(smooth), zero), zero);
   const auto is_smooth = hn::And(is_finite, hn::Gt(squared, zero));
-  s.shading = choose(is_smooth, normalize(smooth), s.shading);
+  s.shading = select(is_smooth, normalize(smooth), s.shading);
   return s;
 }
 

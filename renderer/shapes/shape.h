@@ -47,6 +47,19 @@ class Shape {
   virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
   /// Whether anything is hit inside (ray.t_min, ray.t_max).
   virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  /// closest_hit() of each ray, with the same results; as many hits as rays.
+  virtual void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
+                            TraversalCounters& counters) const {
+    for (size_t i = 0; i < rays.size(); ++i) closest_hit(rays[i], hits[i], counters);
+  }
+  /// any_hit() of at most 64 rays, a bit each.
+  virtual uint64_t any_hits(std::span<const Ray> rays, TraversalCounters& counters) const {
+    uint64_t hit = 0;
+    for (size_t i = 0; i < rays.size(); ++i) hit |= uint64_t{any_hit(rays[i], counters)} << i;
+    return hit;
+  }
+  /// Whether the two above are faster than a call a ray where the rays go much the same way.
+  virtual bool takes_batches() const { return false; }
   /// Appends every hit inside (ray.t_min, ray.t_max), in any order and with instance 0; a hit may
   /// be appended twice. This default finds one primitive at each t, which suffices for shapes whose
   /// surfaces meet in edges alone.

@@ -128,6 +128,7 @@ void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const P
   v1::Node& node = add_place(into.scene, include);
   node.set_name(to_utf8(file.stem().string()));
   node.set_instance_of(made.object);
+  if (const uint32_t origin = origin_of(include)) set_origin(node, origin);
   for (const v1::Node& child : made.nodes) *node.add_children() = child;
   for (const v1::Camera& camera : made.cameras) {
     v1::Camera& placed = *into.scene.add_cameras();
@@ -162,6 +163,7 @@ IncludeResolver::Part IncludeResolver::absorb(LoadedScene& into, const v1::Inclu
   const std::string prefix = unique_prefix(file);
   v1::Scene& scene = loaded.scene;
   scene.clear_metadata();
+  into.origins.absorb(scene, loaded.origins);
   prefix_names(scene, prefix);
   if (!include.material().empty()) set_material(scene, include.material());
   if (include.geometry_only()) {
@@ -190,6 +192,8 @@ IncludeResolver::Part IncludeResolver::absorb(LoadedScene& into, const v1::Inclu
     *into.scene.mutable_fog() = std::move(*scene.mutable_fog());
   for (const auto& [digest, data] : loaded.blobs.all()) into.blobs.put(digest, data);
   std::move(loaded.warnings.begin(), loaded.warnings.end(), std::back_inserter(into.warnings));
+  std::move(loaded.warning_diagnostics.begin(), loaded.warning_diagnostics.end(),
+            std::back_inserter(into.warning_diagnostics));
   std::move(loaded.unused.begin(), loaded.unused.end(), std::back_inserter(into.unused));
   into.depends_on_frame |= loaded.depends_on_frame;
   return made;

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
+#include "base/open_input.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/crt/crt_reader.h"
 #include "scenes/formats/default_view.h"
@@ -24,6 +25,7 @@
 #include "scenes/formats/stl/stl_reader.h"
 #include "scenes/formats/x3d/x3d_reader.h"
 #include "scenes/import/checked_pictures.h"
+#include "scenes/import/read_cache.h"
 #include "scenes/import/texture_loader.h"
 
 namespace tessera {
@@ -48,11 +50,12 @@ std::string readable() {
 }
 
 std::string head_of(const std::string& path) {
+  constexpr size_t kEnough = 4096;
   check_input_file(path, UINT64_MAX);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
+  if (const auto text = InputScope::text_of(path)) return text->substr(0, kEnough);
+  const InputFile file = open_input_file(path);
   if (!file) throw scene_error(fmt::format("{}: cannot be opened", path));
-  std::string head(4096, '\0');
+  std::string head(kEnough, '\0');
   head.resize(std::fread(head.data(), 1, head.size(), file.get()));
   return head;
 }
@@ -122,12 +125,38 @@ LoadedScene read_format(const std::string& path, const std::string& format,
   return loaded;
 }
 
+/// All that what is read depends on beside files.
+std::string key_of(const std::string& path, const std::string& format, const ReadOptions& options) {
+  return fmt::format("scene|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}", format,
+                     static_cast<int>(options.x3d_color), static_cast<int>(options.x3d_shadows),
+                     static_cast<int>(options.x3d_texture), options.x3d_weld, options.x3d_strict,
+                     options.x3d_two_sided, options.origins, options.decode_texture != nullptr,
+                     options.decode_texture_bytes != nullptr, options.frame, options.assets, path,
+                     whole_path(path).string());
+}
+
+uint64_t bytes_of(const LoadedScene& loaded) {
+  uint64_t bytes = loaded.scene.SpaceUsedLong();
+  for (const auto& [digest, blob] : loaded.blobs.all()) bytes += blob->size();
+  for (const auto& [name, picture] : loaded.pictures) bytes += picture.size();
+  return bytes;
+}
+
 /// With its pictures, without its includes.
 LoadedScene read_one(const std::string& path, const std::string& asked,
                      const ReadOptions& options) {
   CheckedPictures pictures(options);
   const ReadOptions reading = pictures.reading();
-  LoadedScene loaded = read_format(path, format_of(path, asked), reading);
+  const std::string format = format_of(path, asked);
+  const auto read = [&] {
+    LoadedScene made = read_format(path, format, reading);
+    if (options.origins)
+      made.origins.add_missing(made.scene, path, own_encoding(format).has_value());
+    return made;
+  };
+  LoadedScene loaded = !options.cache ? read()
+                                      : *options.cache->get<LoadedScene>(
+                                            key_of(path, format, options), read, bytes_of);
   load_textures(loaded, AssetFolder(path, options.assets), reading);
   return loaded;
 }
@@ -165,7 +194,12 @@ class FileReader {
     const bool is_open = std::find(open_.begin(), open_.end(), file) != open_.end();
     if (is_open || open_.size() > IncludeResolver::kMaxDepth) return "";
     const auto [at, is_new] = problems_.try_emplace({file, format});
-    if (!is_new) return at->second;
+    InputStates& looked_at = looked_at_[{file, format}];
+    if (!is_new) {
+      InputScope::note(looked_at);
+      return at->second;
+    }
+    const InputScope scope(nullptr, &looked_at);
     const auto open = open_;
     try {
       LoadedScene loaded = read(file, format);
@@ -190,6 +224,7 @@ class FileReader {
   AssetFolder assets_;
   std::vector<fs::path> open_;  ///< being read, outermost first
   std::map<Key, std::string> problems_;
+  std::map<Key, InputStates> looked_at_;  ///< to find those
   std::map<Key, LoadedScene> checked_;
 };
 
@@ -227,12 +262,14 @@ void add_others(const std::string& path, const ReadOptions& options, FileReader&
 
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {
   if (made.scene.includes().empty() && options.placements.empty()) return;
+  const InputScope scope(&options.text_of);
   FileReader read(name, options);
   add_others(name, options, read, made);
   check_scene(made.scene, name);
 }
 
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
+  const InputScope scope(&options.text_of);
   FileReader read(path, options);
   LoadedScene loaded = read(path, options.format);
   add_others(path, options, read, loaded);
@@ -240,6 +277,7 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   if (std::find(kModels.begin(), kModels.end(), format) != kModels.end()) add_default_view(loaded);
   if (!own_encoding(format) && loaded.scene.metadata().source_file().empty())
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
+  if (options.origins) loaded.origins.settle(loaded.scene);
   check_scene(loaded.scene, path);
   return loaded;
 }

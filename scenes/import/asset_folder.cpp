@@ -48,7 +48,7 @@ std::optional<fs::path> AssetFolder::find(const std::string& reference) const {
   if (reference.empty()) return std::nullopt;
   const auto near = resolve_inside(root, (folder.lexically_relative(root) / reference).string());
   std::error_code ignored;
-  if (!searches_root || (near && fs::exists(*near, ignored))) return near;
+  if (!searches_root || (near && (is_input_file(*near) || fs::exists(*near, ignored)))) return near;
   return resolve_inside(root, reference);
 }
 

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "base/digest.h"
 #include "base/error.h"
+#include "scenes/import/read_cache.h"
 
 namespace tessera {
 
@@ -24,12 +26,25 @@ ReadOptions CheckedPictures::reading() {
 
 std::string CheckedPictures::check(const std::string& name, const std::string* bytes) {
   if (bytes ? !options_.decode_texture_bytes : !options_.decode_texture) return "";
+  if (!bytes) InputScope::note(name);
   if (good_.contains(name)) return "";
   const auto known = bad_.find(name);
   if (known != bad_.end()) return known->second;
-  try {
+  const auto decode = [&] {
     good_.emplace(name, bytes ? options_.decode_texture_bytes(*bytes, name)
                               : options_.decode_texture(name, false));
+    return true;
+  };
+  try {
+    const std::string key =
+        "checked picture|" + (bytes ? Digest::of(*bytes).hex() : std::string()) + "|" + name;
+    remembered<bool>(
+        options_.cache, key,
+        [&] {
+          if (!bytes) InputScope::note(name);
+          return decode();
+        },
+        [](bool) { return uint64_t{256}; });
     return "";
   } catch (const Error& error) {
     if (error.code() != ExitCode::bad_scene) throw;

@@ -10,8 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
+#include "base/input_scope.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
+#include "scenes/import/origin_table.h"
 
 namespace tessera {
 
@@ -30,10 +33,12 @@ struct LoadedScene {
   /// By a texture's name: what is kept of its picture, where that is one number.
   std::map<std::string, PictureChannel> picture_channels{};
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
+  std::vector<Diagnostic> warning_diagnostics{};  ///< the parts of each, in the same order
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".
   std::vector<std::string> unused{};
   bool depends_on_frame = false;  ///< a script: another ReadOptions::frame, another scene
+  OriginTable origins{};          ///< of its nodes; empty unless ReadOptions::origins asks for them
 };
 
 /// A picture as textures hold it: rows from the top, tightly packed.
@@ -57,6 +62,8 @@ using PictureCheck = std::function<std::string(const std::string& name, const st
 /// Why no scene can be made of the file at `path`, which includes are not looked at for; empty
 /// where one can.
 using SceneCheck = std::function<std::string(const std::string& path)>;
+
+class ReadCache;
 
 /// How a file is read. The defaults are what a user expects who gives no option.
 struct ReadOptions {
@@ -86,6 +93,11 @@ struct ReadOptions {
   /// as the system takes it. One without a file places the scene itself, its cameras apart.
   std::vector<v1::Include> placements{};
   int32_t frame = 0;  ///< of an animation; what scripts call t
+  /// Texts that stand for files: for the scene's own, for those that it names and those beside
+  /// these, wherever a file is read as a text. Which are there is asked anew at each reading.
+  TextOfFile text_of{};
+  bool origins = false;        ///< whether to tell where nodes come from; the scene is the same
+  ReadCache* cache = nullptr;  ///< of the caller, who keeps it; null: all is read at each call
 };
 
 }  // namespace tessera

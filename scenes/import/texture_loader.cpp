@@ -6,9 +6,11 @@
 #include <memory>
 #include <tuple>
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "scenes/import/mip_levels.h"
 #include "scenes/import/picture_channel.h"
+#include "scenes/import/read_cache.h"
 
 namespace tessera {
 namespace {
@@ -31,6 +33,11 @@ v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wante
   image.mutable_texels()->set_digest(blobs.put(std::move(decoded.texels)).hex());
   return image;
 }
+
+struct StoredTexture {
+  v1::Texture::Image image;
+  BlobStore blobs;
+};
 
 std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& assets) {
   auto file = assets.find(texture.image().file());
@@ -63,10 +70,25 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
     const auto [at, is_new] = known.try_emplace(
         {file, static_cast<int>(image.encoding()), wants_levels(image), to_srgb, kept});
     if (is_new) {
-      DecodedTexture decoded = is_held ? options.decode_texture_bytes(held->second, held->first)
-                                       : options.decode_texture(file.string(), to_srgb);
-      if (kept) keep_channel(decoded, *kept, image.encoding() == v1::Texture::Image::ENCODING_SRGB);
-      at->second = store(std::move(decoded), image, loaded.blobs);
+      const auto decode = [&] {
+        if (!is_held) InputScope::note(file);
+        DecodedTexture decoded = is_held ? options.decode_texture_bytes(held->second, held->first)
+                                         : options.decode_texture(file.string(), to_srgb);
+        const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
+        if (kept) keep_channel(decoded, *kept, is_srgb);
+        StoredTexture stored;
+        stored.image = store(std::move(decoded), image, stored.blobs);
+        return stored;
+      };
+      const std::string key =
+          fmt::format("texture|{}|{}|{}|{}|{}|{}", is_held ? Digest::of(held->second).hex() : "",
+                      static_cast<int>(image.encoding()), wants_levels(image), to_srgb,
+                      kept ? static_cast<int>(*kept) : -1, file.string());
+      const auto stored = remembered<StoredTexture>(
+          options.cache, key, decode,
+          [](const StoredTexture& made) { return made.image.texels().size(); });
+      for (const auto& [digest, blob] : stored->blobs.all()) loaded.blobs.put(digest, blob);
+      at->second = stored->image;
     }
     image.MergeFrom(at->second);
   }

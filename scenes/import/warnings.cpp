@@ -6,6 +6,11 @@
 
 namespace tessera {
 
+void add_warning(LoadedScene& loaded, const std::string& file, const std::string& what) {
+  loaded.warnings.push_back(fmt::format("{}: {}", file, what));
+  loaded.warning_diagnostics.push_back(make_diagnostic({file}, what, ""));
+}
+
 void Warnings::add(std::string_view what, const Where& where, uint64_t times) {
   const auto known = index_.find(what);
   if (known != index_.end()) {
@@ -27,6 +32,18 @@ std::vector<std::string> Warnings::list(const std::string& file) const {
   }
   if (dropped_) lines.push_back(fmt::format("{}: and {} warnings of other kinds", file, dropped_));
   return lines;
+}
+
+void Warnings::add_to(LoadedScene& loaded, const std::string& file) const {
+  for (std::string& line : list(file)) loaded.warnings.push_back(std::move(line));
+  for (const Entry& entry : entries_) {
+    const SourcePlace place = entry.place.file.empty() ? SourcePlace{file} : entry.place;
+    loaded.warning_diagnostics.push_back(make_diagnostic(place, entry.what, ""));
+  }
+  if (dropped_) {
+    loaded.warning_diagnostics.push_back(
+        make_diagnostic({file}, fmt::format("and {} warnings of other kinds", dropped_), ""));
+  }
 }
 
 }  // namespace tessera

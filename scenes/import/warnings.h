@@ -8,8 +8,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "scenes/import/loaded_scene.h"
 
 namespace tessera {
+
+/// Adds one warning about a whole file.
+void add_warning(LoadedScene& loaded, const std::string& file, const std::string& what);
 
 /// Collects what an importer has to say, each thing once with the number of times it happened and,
 /// where that is known, the place where it first did.
@@ -26,6 +30,8 @@ class Warnings {
   /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance, at most
   /// kMostEntries; "FILE: what" where no place is known.
   std::vector<std::string> list(const std::string& file) const;
+  /// Adds that list, and the parts of each of its lines, to what the file became.
+  void add_to(LoadedScene& loaded, const std::string& file) const;
 
  private:
   struct Entry {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docs/local_illumination.md and docs/features.md name tests and samples that exist, samples have what
-their rows name, and every sample is in the gallery."""
+"""docs/notes/classic_features.md and docs/notes/features.md name tests and samples that exist, samples
+have what their rows name, and every sample is in the gallery."""
 import pathlib
 import re
 import unittest
@@ -16,7 +16,8 @@ def rows(page):
         yield row, re.split(r"\s*\|\s*", row)
 
 
-PAGES = [row for page in ("local_illumination.md", "features.md") for row in rows(page)]
+CLASSIC, OTHERS = "notes/classic_features.md", "notes/features.md"
+PAGES = [row for page in (CLASSIC, OTHERS) for row in rows(page)]
 
 
 def quoted(cell):
@@ -35,6 +36,11 @@ def tests_of_the_tree():
         names.update(f"{suite}.{name}" for suite, name in found)
     for path in (ROOT / "tests/python").glob("test_*.py"):
         names.update(f"{path.stem}::{name}" for name in re.findall(r"^def (test_\w+)", path.read_text(), re.M))
+    for path in (ROOT / "tests/cli").glob("*_test.py"):
+        found = re.findall(r"^(?:class|    def) (\w+)", path.read_text(), re.M)
+        names.update(f"{path.stem}::{name}" for name in found)
+    for path in (ROOT / "studio/page/test").glob("*.test.ts"):
+        names.add(f"page::{path.name.partition('.')[0]}")
     return names
 
 
@@ -67,11 +73,11 @@ class FeatureTable(unittest.TestCase):
 
     def test_samples_have_the_words_of_their_rows(self):
         """Of the scene description where all of a row's samples are written in it; of X3D and CRT always."""
-        for row, cells in rows("local_illumination.md"):
+        for row, cells in rows(CLASSIC):
             samples = samples_of(cells[3])
             if samples and all(name.endswith(".tessera") for name in samples):
                 self.check_words(row, samples, [w.split(".")[-1] for w in quoted(cells[1])])
-        for row, cells in rows("features.md"):
+        for row, cells in rows(OTHERS):
             if samples_of(cells[3]):
                 self.check_words(row, samples_of(cells[3]), quoted(cells[1]))
 

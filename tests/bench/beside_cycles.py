@@ -309,4 +309,5 @@ def main():
                     options.turns)
 
 
-main()
+if __name__ == "__main__":
+    main()

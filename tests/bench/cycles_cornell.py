@@ -1,4 +1,4 @@
-r"""The Cornell box of docs/accuracy.md by Cycles, so that `tessera bench error --peer` can plot it.
+r"""The Cornell box of docs/notes/accuracy_measured.md by Cycles, for `tessera bench error --peer`.
 
   blender --background --factory-startup --python-exit-code 1 --python cycles_cornell.py -- \
       OUTPUT.exr --samples 64 [--threads 4] [--size 512] [--seed 0] [--repeat 3]

@@ -12,7 +12,8 @@ from tessera_process import PATIENCE, is_worker, marked_processes, wait_until
 SIZE = ["--size", "70x45"]
 CHANNELS = {"albedo": ["albedo.R", "albedo.G", "albedo.B"], "normal": ["N.X", "N.Y", "N.Z"],
             "depth": ["Z"], "position": ["P.X", "P.Y", "P.Z"], "id": ["id"],
-            "variance": ["variance.R", "variance.G", "variance.B"], "samples": ["samples"]}
+            "variance": ["variance.R", "variance.G", "variance.B"], "samples": ["samples"],
+            "origin": [f"origin.{i}" for i in range(8)], "primitive": ["primitive"]}
 ALL = [channel for channels in CHANNELS.values() for channel in channels]
 
 
@@ -153,6 +154,8 @@ class Aovs(ServiceTest):
         self.run_program("render", scene, *options, "--workers", 0, "--denoise", "-o", "c.pfm")
         self.assertEqual((self.folder / "c.pfm").read_bytes(), (self.folder / "b.pfm").read_bytes())
         job = int(self.ask("submit", scene, *options))
+        self.ask("fetch", job, "--wait", "--denoise", "-o", "d.pfm", code=2)
+        job = int(self.ask("submit", scene, *SIZE, "--integrator", "path", "--spp", 1, "--aovs", "albedo,normal,depth,variance"))
         self.ask("fetch", job, "--wait", "--denoise", "-o", "d.pfm", code=2)
         self.stop(service, worker)
 

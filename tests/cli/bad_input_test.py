@@ -40,13 +40,13 @@ class BadCommandLine(TesseraTest):
 
     def test_names_that_are_near_or_of_other_programs(self):
         for typed, meant in [("--samples", "--spp"), ("--width", "--size"), ("--res", "--size"),
-                             ("--nthreads", "--threads"), ("--outfile", "--output"), ("--out", "--output")]:
+                             ("--nthreads", "--threads"), ("--outfile", "--output"), ("--out", "--output"), ("--maxdepth", "--max-depth")]:
             self.refused("render", self.scene, typed, "4", says=[f"'{typed}'", f"did you mean '{meant}'?"])
         for option, typed, meant in [("--pattern", "sobol", "owen-sobol"), ("--pattern", "blue", "blue-noise"),
                                      ("--integrator", "pathtracer", "path")]:
             self.refused("render", self.scene, option, typed, says=[f"did you mean '{meant}'?"])
         self.refused("convert", "frst:100", "x.tessera", says=["did you mean 'forest'?"])
-        for typed in ("-x", "--x", "--maxdepth", "-"):
+        for typed in ("-x", "--x", "--rays", "-"):
             result = self.run_program("render", self.scene, typed, "4")
             self.assertEqual(2, result.code)
             self.assertNotIn("did you mean", result.err)
@@ -55,7 +55,7 @@ class BadCommandLine(TesseraTest):
         self.refused("render", self.scene, "--spp", "16", "--spp", "4", says=["--spp: given more than once"])
         self.refused("render", self.scene, "--spp", says=["--spp: needs a value N"])
         self.refused("render", self.scene, "-o", says=["--output: needs a value FILE"])
-        self.refused("render", self.scene, "-o", "x", says=["'x' has no ending", ".png, .exr"])
+        self.refused("render", self.scene, "-o", "x", says=["'x' has no ending", ".png, .apng"])
         self.refused("render", self.scene, "--filter", "gaussian:abc", says=["NAME:RADIUS", "'abc'"])
 
     def test_hosts_without_an_address(self):

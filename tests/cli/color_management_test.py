@@ -108,7 +108,7 @@ class ColorManagement(TesseraTest):
         self.check_refused(self.render("--ocio-view", "x" * 200), "too long")
 
     def test_wrong_configurations(self):
-        self.check_refused(self.render("--ocio-view", "halved", config=""), "$OCIO is not set")
+        self.check_refused(self.render("--ocio-view", "halved", config=""), "--ocio-view without $OCIO; expected")
         self.check_refused(self.render("--ocio-view", "halved", config=self.folder / "none.ocio"),
                            "none.ocio")
         broken = self.write("broken.ocio", "ocio_profile_version: 1\nroles: [")

@@ -120,6 +120,23 @@ class Descriptors(ServiceTest):
         self.assertEqual(1, log.count("no file descriptor is left"), log)
         self.assertEqual(0, worker.wait(60))
 
+    def test_a_client_waits_for_who_hangs_up_for_a_while(self):
+        """As a coordinator without a descriptor does, which lets in later."""
+        hung_up = []
+        with socket.create_server(("127.0.0.1", int(self.endpoint.rpartition(":")[2]))) as listener:
+            listener.settimeout(10)
+            client = self.start("status", "--connect", self.endpoint)
+            began = time.monotonic()
+            while time.monotonic() < began + 4:  # what is certain is told after 2 s
+                listener.accept()[0].close()
+                hung_up.append(1)
+        self.assertGreater(len(hung_up), 3)
+        service = self.serve()
+        out, err = client.communicate(timeout=60)
+        self.assertEqual(0, client.returncode, err)
+        self.assertEqual("0 workers", out.splitlines()[-1])
+        self.stop(service)
+
     def pixels_of(self, job, worker):
         """Once the job has ended, of which the worker's old connection tells while no new ones are
         let in; a client gets in when those that say nothing more are ended."""

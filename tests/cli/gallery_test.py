@@ -34,7 +34,7 @@ def size_and_words(path):
 class Gallery(TesseraTest):
     def test_pictures_tell_what_their_commands_would(self):
         pictures = {f"images/{path.name}" for path in (DOCS / "images").glob("*.png")}
-        self.assertEqual(pictures - {"images/page.png"}, {picture for _, picture in shown()})
+        self.assertEqual({each for each in pictures if not each.startswith("images/studio")} - {"images/page.png"}, {picture for _, picture in shown()})
         for options, picture in shown():
             with self.subTest(picture):
                 scene, *options = options.split()

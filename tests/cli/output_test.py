@@ -8,8 +8,11 @@ import signal
 import time
 import unittest
 
+import animation
+import browser
 import scenes
-from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest
+from png import read_png
+from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, wait_until
 
 SMALL = ["--size", "48x32", "--workers", "2"]
 LONG = str(int(64 / SLOWER**2))  # samples: long enough to show progress
@@ -132,6 +135,72 @@ class Render(TesseraTest):
         self.assertEqual(0, result.code, result.err)
         self.assertEqual([f"anim.000{i}.png" for i in (3, 4, 5)],
                          sorted(p.name for p in self.folder.glob("*.png")))
+
+    def test_animations_hold_the_pixels_of_their_frames(self):
+        scene = self.write("moving.tessera", scenes.MOVING)
+        result = self.run_program("render", scene, *SMALL, "--frames", "0-3", "-o", "f.png", "-o", "all.apng",
+                                  "-o", "all.gif", "-o", "f.gif", "--fps", "12.5")
+        self.assertEqual(0, result.code, result.err)
+        self.assertIn("all.apng  4 frames, 12.5 a second", result.out)
+        stills = [read_png(self.folder / f"f.000{i}.png") for i in range(4)]
+        self.assertEqual(4, len(set(stills)), "the frames are alike: the test shows nothing")
+        frames, delays = animation.read_apng(self.folder / "all.apng")
+        self.assertTrue(stills == frames, "the frames differ")
+        self.assertEqual([(2, 25)] * 4, delays)
+        self.assertEqual("", result.err)
+        frames, delays = animation.read_gif(self.folder / "all.gif")
+        self.assertEqual([8] * 4, delays)
+        for (width, height, wanted), frame in zip(stills, frames, strict=True):
+            self.assertEqual((width, height), frame[:2])
+            distance = sum(abs(a - b) for a, b in zip(wanted, frame[2], strict=True)) / len(wanted)
+            self.assertLess(distance, 12, "a frame of 255 colours is another picture")
+
+    def test_a_rate_that_a_gif_cannot_have_is_told(self):
+        scene = self.write("moving.tessera", scenes.MOVING)
+        result = self.run_program("render", scene, *SMALL, "--frames", "0-1", "-o", "all.apng", "-o", "all.gif",
+                                  "--fps", "60")
+        self.assertEqual(0, result.code, result.err)
+        self.assertIn("'all.gif' shows 50 frames a second in place of 60", result.err)
+        self.assertNotIn("'all.apng'", result.err)
+        self.assertIn("all.gif  2 frames, 50 a second", result.out)
+        self.assertIn("all.apng  2 frames, 60 a second", result.out)
+        self.assertEqual([2, 2], animation.read_gif(self.folder / "all.gif")[1])
+
+    @unittest.skipUnless(browser.PROGRAM, "NO CHROMIUM: what another program makes of animations is not tested")
+    def test_another_program_shows_the_frames_of_animations(self):
+        scene = self.write("moving.tessera", scenes.MOVING)
+        result = self.run_program("render", scene, *SMALL, "--frames", "0-2", "-o", "all.apng", "-o", "all.gif",
+                                  "-o", "f.png")
+        self.assertEqual(0, result.code, result.err)
+        self.assertIn("3 frames, 10 a second", result.out)
+        page = browser.Page()
+        stills = [read_png(self.folder / f"f.000{i}.png") for i in range(3)]
+        try:
+            decoded = [(name, *animation.decoded_by_browser(page, self.folder / name, kind))
+                       for name, kind in (("all.apng", "image/png"), ("all.gif", "image/gif"))]
+        finally:
+            page.close()
+        for name, frames, microseconds in decoded:
+            self.assertEqual([100000] * 3, microseconds, name)
+            if name == "all.apng":
+                self.assertTrue(stills == frames, "the frames differ")
+            else:
+                self.assertTrue(animation.read_gif(self.folder / name)[0] == frames, "our own reader is wrong")
+
+    def test_what_is_done_of_an_animation_is_written(self):
+        process = self.start("render", self.write("moving.tessera", scenes.MOVING), "--size", "64x64", "--frames",
+                             "0-5000", "-o", "f.png", "-o", "all.apng", "--workers", "1")
+        wait_until(lambda: (self.folder / "f.0002.png").exists(), "two frames")
+        process.terminate()
+        process.communicate(timeout=PATIENCE)
+        self.assertEqual(4, process.returncode)
+        stills = [read_png(path) for path in sorted(self.folder.glob("f.*.png"))]
+        self.assertTrue(stills == animation.read_apng(self.folder / "all.apng")[0], "the frames differ")
+
+    def test_a_rate_needs_frames(self):
+        self.assert_error(self.run_program("render", self.scene, "--fps", "10"), 2, "--fps", "--frames")
+        for wrong in ("0", "-1", "nan", "x"):
+            self.assert_error(self.run_program("render", self.scene, "--frames", "0-1", "--fps", wrong), 2, "--fps")
 
     def test_an_output_is_replaced(self):
         self.write("old.png", "old")

@@ -25,6 +25,14 @@ ONE_SPHERE = CAMERA + SUN + """
 nodes { shape { sphere { center { y: 0.5 } } } }
 """
 
+MOVING = CAMERA + SUN + """
+settings { frames { per_second: 10 } sampling { samples_per_pixel: 1 } }
+nodes {
+  shape { sphere { center { y: 0.5 } radius: 0.5 } }
+  keys { time: 0 transform { steps { translate {} } } } keys { time: 1 transform { steps { translate { x: 3 } } } }
+}
+"""
+
 
 def material(name, fields):
     return f'materials {{ name: "{name}" classic {{ {fields} }} }}\n'

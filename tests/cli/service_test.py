@@ -251,6 +251,8 @@ class Ends(ServiceTest):
     def test_an_orphan_comes_back_or_leaves(self):
         service = self.serve()
         patient, hasty = self.worker(), self.worker("--orphan-timeout", 1)
+        # Whose coordinator is its parent ends with that alone.
+        child = self.worker("--orphan-timeout", .5, "--parent", os.getpid())
         job = self.submit()
         wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
         service.send_signal(signal.SIGKILL)
@@ -258,8 +260,8 @@ class Ends(ServiceTest):
         self.assertEqual(3, hasty.wait(30 * SLOWER))
         service = self.serve()
         self.assertEqual(self.expected(), self.pixels(job))
-        self.assertIsNone(patient.poll())
-        self.stop(service, patient)
+        self.assertEqual([None, None], [patient.poll(), child.poll()])
+        self.stop(service, patient, child)
 
     def test_an_idle_worker_leaves(self):
         service = self.serve()

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import signal
 import socket
 import struct
@@ -15,6 +14,7 @@ import urllib.request
 
 import browser
 import scenes
+from png import read_png
 from service_test import LOAD, TILES, ServiceTest
 from tessera_process import PATIENCE, SLOWER, TesseraTest, wait_until
 
@@ -85,6 +85,25 @@ class Api(WebTest):
         self.assertEqual(texts, [line["text"] for line in lines][:len(texts)])
         self.assertEqual({"serve"}, {line["process"] for line in lines})
         self.stop(worker)
+
+    def test_whole_pictures_and_scenes(self):
+        service, worker = self.serve(), self.worker()
+        job = int(self.ask("submit", self.scene, "--size", "1200x20"))  # more than a preview has
+        wait_until(lambda: self.api(f"jobs/{job}")["state"] == "done", "the job is done")
+        picture = self.folder / "page.png"
+        picture.write_bytes(self.get(f"/api/v1/jobs/{job}/picture.png")[1])
+        self.assertEqual(0, self.run_program("fetch", job, "-o", "fetched.png", "--connect", self.endpoint).code)
+        self.assertEqual((1200, 20), read_png(picture)[:2])
+        self.assertTrue(read_png(picture) == read_png(self.folder / "fetched.png"), "the pictures differ")
+        for path, code in ((f"jobs/{job}/picture.png?frame=1", 400), ("jobs/99/picture.png", 404),
+                           (f"jobs/{job}/scene.tesserab?frame=1", 400), ("jobs/99/scene.tesserab", 404)):
+            self.assertEqual(code, self.get("/api/v1/" + path)[0], path)
+        self.stop(worker)
+        self.spp += 1
+        waiting = self.submit("--name", "none")
+        self.assertEqual(404, self.get(f"/api/v1/jobs/{waiting}/picture.png")[0])
+        self.assertEqual(200, self.get(f"/api/v1/jobs/{waiting}/scene.tesserab")[0])
+        self.stop(service)
 
     def test_orders(self):
         service = self.serve()
@@ -167,14 +186,10 @@ class Api(WebTest):
 class Page(WebTest):
     def setUp(self):
         super().setUp()
-        environment = {**self.environment(), "HOME": str(self.folder)}
-        self.browser = browser.Browser(self.folder / "browser", environment, PATIENCE)
+        self.browser = browser.Page()
 
     def tearDown(self):
         self.browser.close()
-        shutil.rmtree(self.folder / "browser", ignore_errors=True)
-        for left in self.temporary.glob(".org.chromium*"):
-            shutil.rmtree(left, ignore_errors=True)
         super().tearDown()
 
     def open(self):
@@ -236,6 +251,70 @@ class Page(WebTest):
         wait_until(lambda: "job 1 is done" in page.text("#log").replace(" (glass)", ""), "the log tells")
         page.click("#show-cost")
         wait_until(lambda: not page.evaluate("document.querySelector('#cost-scale').hidden"), "what tiles took")
+        self.assertEqual([], page.complaints)
+        self.stop(service, worker)
+
+    def test_shows_and_saves_what_has_ended_before(self):
+        service, worker = self.serve(), self.worker()
+        job = self.submit("--name", "glass")
+        wait_until(lambda: self.api(f"jobs/{job}")["state"] == "done", "the job is done")
+        page = self.open()
+        wait_until(lambda: self.painted(page) > 0.9, "the picture shows")
+        wait_until(lambda: not page.evaluate("document.querySelector('#save-picture').hidden"), "it can be saved")
+        saved = self.folder / "saved"
+        page.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(saved))
+        page.click("#save-picture")
+        wait_until((saved / f"job-{job}.png").exists, "the picture is saved")
+        self.assertEqual(self.get(f"/api/v1/jobs/{job}/picture.png")[1], (saved / f"job-{job}.png").read_bytes())
+        self.assertEqual("", page.text("#order-note"))
+        self.assertEqual([], page.complaints)
+        # Of one that nobody traces there is none.
+        self.stop(worker)
+        self.spp += 1  # else its tiles are those of the other job
+        self.submit("--name", "none")
+        wait_until(lambda: "none" in page.text("#jobs"), "the other job shows")
+        page.click("#jobs button")
+        wait_until(lambda: page.text("#job-name") == "none", "it is chosen")
+        wait_until(lambda: page.evaluate("document.querySelector('#save-picture').hidden"), "there is nothing to save")
+        self.stop(service)
+
+    def test_compares_jobs_and_hands_out_their_scenes(self):
+        service, worker = self.serve(), self.worker()
+        first = self.submit("--name", "one")
+        second = self.submit("--name", "two", "--seed", 7)
+        same = self.submit("--name", "three")
+        for job in (first, second, same):
+            wait_until(lambda job=job: self.api(f"jobs/{job}")["state"] == "done", "the job is done")
+        page = self.open()
+        page.evaluate(f"location.hash = '#job={first}'")
+        page.call("Page.reload")
+        wait_until(lambda: page.text("#job-name") == "one", "the job shows")
+
+        def compared(other):
+            page.evaluate(f"""(() => {{ const list = document.querySelector("#other"); list.value = "{other}";
+                              list.dispatchEvent(new Event("change")); }})()""")
+            return wait_until(lambda: (text := page.text("#difference")).startswith(f"job {first} and job {other}: ")
+                              and text, "the numbers show")
+        self.assertIn("max difference 0 · mean difference 0 · rmse 0 · differing pixels 0 of", compared(same))
+        shown = compared(second)
+        for job in (first, second):
+            (self.folder / f"{job}.png").write_bytes(self.get(f"/api/v1/jobs/{job}/picture.png")[1])
+        told = self.run_program("compare", f"{first}.png", f"{second}.png").out
+        for name in ("max difference", "mean difference", "rmse"):
+            number = float(re.search(rf"{name} +(\S+)", told)[1])
+            self.assertGreater(number, 0)
+            self.assertAlmostEqual(number, float(re.search(rf"{name} (\S+)", shown)[1]), delta=number * 1e-4)
+        self.assertIn("differing pixels " + re.search(r"differing pixels +(\d+ of \d+)", told)[1], shown)
+        # The scene that is handed out is the one that was rendered.
+        saved = self.folder / "saved"
+        page.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(saved))
+        wait_until(lambda: not page.evaluate("document.querySelector('#save-scene').hidden"), "it can be saved")
+        page.click("#save-scene")
+        wait_until((saved / f"job-{first}.tesserab").exists, "the scene is saved")
+        self.assertIn(f"tessera studio job-{first}.tesserab", page.text("#open-scene"))
+        digests = [json.loads(self.run_program("info", scene, "--json").out)["scene"]
+                   for scene in (self.scene, saved / f"job-{first}.tesserab")]
+        self.assertEqual(digests[0], digests[1])
         self.assertEqual([], page.complaints)
         self.stop(service, worker)
 

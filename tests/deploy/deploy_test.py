@@ -173,12 +173,25 @@ class Files(TesseraTest):
     def scripts(self):
         return [*DEPLOY.rglob("*.sh"), *DEPLOY.rglob("*.sbatch"), *(ROOT / ".ci").iterdir()]
 
+    def test_the_copyright_file_names_what_is_linked(self):
+        uses = [line.split() for line in (DEPLOY / "packages.txt").read_text().splitlines() if not line.startswith("#")]
+        # Python's own: only a module for it is made.
+        linked = {name for name, use in uses if use == "build" and name.endswith("-dev")} - {"python3-dev"}
+        stanzas = (DEPLOY / "debian/copyright").read_text().split("\n\n")
+        stated = {}
+        for stanza in stanzas:
+            if found := re.search(r"^Files: (.*?)^Copyright: .*?^License: (.*?)$", stanza, re.M | re.S):
+                stated |= {name: found[2] for name in found[1].split()}
+        self.assertEqual(set(), linked - set(stated))
+        texts = {stanza.partition("\n")[0].removeprefix("License: ") for stanza in stanzas if stanza.startswith("License: ")}
+        self.assertEqual(set(stated.values()), texts, "each licence has its text")
+
     def test_scripts_are_sound(self):
         scripts = [str(path) for path in self.scripts()]
         self.assertEqual(0, subprocess.run(["bash", "-n", *scripts]).returncode)
         if not shutil.which("shellcheck"):
             print("SKIPPED: shellcheck is not installed", flush=True)
-            self.skipTest("no shellcheck")
+            self.skipTest("shellcheck is not installed")
         checked = subprocess.run(["shellcheck", "--external-sources", "--shell=bash",
                                   f"--source-path={ROOT}:SCRIPTDIR", *scripts], capture_output=True, text=True)
         self.assertEqual(0, checked.returncode, checked.stdout)
@@ -186,7 +199,7 @@ class Files(TesseraTest):
     def test_units_are_sound(self):
         if not shutil.which("systemd-analyze"):
             print("SKIPPED: systemd-analyze is not installed", flush=True)
-            self.skipTest("no systemd")
+            self.skipTest("systemd is not installed")
         for unit in (DEPLOY / "systemd").glob("*.service"):
             name = unit.name.replace("@", "@farm")
             copy = self.write(name, unit.read_text().replace("/usr/bin/tessera", PROGRAM))
@@ -296,9 +309,9 @@ fi
     def test_schemas(self):
         modules, kubectl = os.environ.get("TESSERA_KUBERNETES_MODELS"), shutil.which("kubectl")
         if not modules or not kubectl:
-            print("SKIPPED: TESSERA_KUBERNETES_MODELS names no folder of schemas (docs/deploy.md), or "
-                  "there is no kubectl", flush=True)
-            self.skipTest("no schemas")
+            print("SKIPPED: TESSERA_KUBERNETES_MODELS names no folder of schemas "
+                  "(docs/notes/deploy_tried.md), or there is no kubectl", flush=True)
+            self.skipTest("TESSERA_KUBERNETES_MODELS names no schemas, or there is no kubectl")
         for folder in ("base", "standing", "autoscaled", "batch"):
             with self.subTest(folder=folder):
                 built = subprocess.run([kubectl, "kustomize", DEPLOY / "kubernetes" / folder],

@@ -112,7 +112,7 @@ class Package(TesseraTest):
     def test_lintian_finds_no_errors(self):
         if not shutil.which("lintian"):
             print("SKIPPED: lintian is not installed", flush=True)
-            self.skipTest("no lintian")
+            self.skipTest("lintian is not installed")
         print(self.run_step("lintian", "--fail-on", "error", *self.debs), flush=True)
         self.run_step("lintian", "--fail-on", "error,warning", self.debs[2])
 

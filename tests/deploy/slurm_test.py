@@ -101,7 +101,7 @@ class SlurmTest(TesseraTest):
         if os.environ.get("TESSERA_TEST_SLURM") != "1" or os.geteuid() != 0 or missing:
             print("SKIPPED: Slurm is run where TESSERA_TEST_SLURM=1, as root, with slurm-wlm and munge; "
                   f"missing: {missing}", flush=True)
-            self.skipTest("no Slurm")
+            self.skipTest("Slurm is not installed")
         private = pathlib.Path(tempfile.mkdtemp(prefix="tessera-slurm-"))
         self.addCleanup(shutil.rmtree, private, ignore_errors=True)
         self.cluster = Cluster(private)

@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "base/process.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"
 #include "worker/run_worker.h"
@@ -53,6 +54,8 @@ int main(int argc, char** argv) {
     std::ofstream(options["--stop-once"]) << getpid();
     raise(SIGSTOP);
   }
+  lower_priority(std::atoi(options["--nice"].c_str()));
+  if (options.contains("--stop-always")) raise(SIGSTOP);
   WorkerOptions worker;
   worker.threads = std::atoi(options["--threads"].c_str());
   const int pause = std::atoi(options["--pause"].c_str());

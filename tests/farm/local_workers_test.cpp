@@ -1,6 +1,7 @@
 // Real worker processes, and what can happen to them.
 #include "coordinator/local_workers.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -8,6 +9,7 @@
 #include <sys/wait.h>
 
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -68,6 +70,34 @@ TEST(LocalWorkers, RenderAndLeaveNothingBehind) {
   EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
+/// Whether all threads of the process have that nice level.
+bool has_nice_level(pid_t process, int level) {
+  for (const auto& thread :
+       std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process))) {
+    const auto id = static_cast<id_t>(std::stoul(thread.path().filename().string()));
+    if (getpriority(PRIO_PROCESS, id) != level) return false;
+  }
+  return true;
+}
+
+TEST(LocalWorkers, WorkAtTheirNiceLevel) {
+  const int ours = getpriority(PRIO_PROCESS, 0);
+  for (const int nice : {0, 7}) {
+    LocalWorkerOptions options = fake_workers(2, 0);
+    options.nice = nice;
+    Farm farm(options);
+    const JobSpec job = make_job(200, 100, 16);
+    EXPECT_EQ(farm.render(job, nullptr).film.pixels_sha256(), expected_sha256(job));
+    // One of the two may have begun too late to trace a tile.
+    for (const pid_t process : farm.workers.processes()) {
+      int looks = 0;
+      while (!has_nice_level(process, std::min(ours + nice, 19)) && ++looks < 10'000) usleep(1000);
+      EXPECT_LT(looks, 10'000);
+    }
+    farm.loop.shut_down("done");
+  }
+}
+
 /// A job with four workers, the first of which lies in every tile.
 JobResult render_with_a_liar(double verify, const JobSpec& job) {
   const TemporaryFolder folder;
@@ -112,7 +142,7 @@ TEST(LocalWorkers, OneStoppedBeforeItsHelloIsReplaced) {
   LocalWorkerOptions options = fake_workers(1, 0);
   options.extra_arguments.insert(options.extra_arguments.end(), {"--stop-once", folder / "mark"});
   CoordinatorOptions times;
-  times.greeting = milliseconds(300);
+  times.greeting = milliseconds(2000);  // the one in its place says hello in time
   {
     Farm farm(options, times);
     const JobSpec job = make_job(64, 64, 16);
@@ -121,6 +151,20 @@ TEST(LocalWorkers, OneStoppedBeforeItsHelloIsReplaced) {
     EXPECT_TRUE(std::filesystem::exists(folder / "mark"));
     farm.loop.shut_down("done");
   }
+}
+
+TEST(LocalWorkers, ThoseThatNeverSayHelloEndTheJob) {
+  const TemporaryFolder folder;
+  LocalWorkerOptions options = fake_workers(2, 0);
+  options.extra_arguments.insert(options.extra_arguments.end(), {"--stop-always", "1"});
+  CoordinatorOptions times;
+  times.greeting = milliseconds(100);
+  Farm farm(options, times);
+  const JobResult result = farm.render(make_job(64, 64, 16), nullptr);
+  EXPECT_EQ(result.report.end, JobReport::End::failed);
+  EXPECT_THAT(result.report.failure,
+              ::testing::HasSubstr("worker processes say nothing after they are started"));
+  EXPECT_EQ(result.report.workers_lost, 0u);
 }
 
 TEST(LocalWorkers, KilledOnesAreReplacedAndThePictureIsTheSame) {
@@ -239,6 +283,28 @@ TEST(LocalWorkers, ThoseThatEndAtOnceFailTheJobInTime) {
   EXPECT_EQ(result.report.exit_code, ExitCode::render_failed);
   EXPECT_THAT(result.report.failure, ::testing::HasSubstr("exit code 9"));
   EXPECT_EQ(result.report.holes.size(), 4u);
+}
+
+TEST(LocalWorkers, ThoseThatEndedInVainAreStartedAgainLater) {
+  const TemporaryFolder folder;
+  const std::filesystem::path script = folder / "worker", broken = folder / "broken";
+  std::ofstream(script) << "#!/bin/sh\nif [ -e " << broken.string() << " ]; then exit 3; fi\nexec "
+                        << TESSERA_FAKE_WORKER << " \"$@\"\n";
+  std::ofstream(broken) << "yes";
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  LocalWorkerOptions options = fake_workers(2, 0);
+  options.program = script.string();
+  Farm farm(options);
+  const JobSpec job = make_job(64, 64, 16);
+  for (int i = 0; i < 2; ++i) {
+    const JobResult failed = farm.render(job, nullptr);
+    EXPECT_EQ(failed.report.end, JobReport::End::failed);
+    EXPECT_THAT(failed.report.failure, ::testing::HasSubstr("end as soon as they are started"));
+  }
+  std::filesystem::remove(broken);
+  const JobResult done = farm.render(job, nullptr);
+  EXPECT_EQ(done.film.pixels_sha256(), expected_sha256(job));
+  farm.loop.shut_down("done");
 }
 
 TEST(LocalWorkers, AProgramThatIsNotThereIsAnError) {

@@ -11,11 +11,13 @@
 
 #include "client/farm_client.h"
 #include "client/run_remote_job.h"
+#include "coordinator/coordinator.h"
 #include "coordinator/render_loop.h"
 #include "proto/transport/memory_transport.h"
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/frame.h"
 #include "tests/farm/fake_renderer.h"
+#include "tests/farm/played_hello.h"
 #include "tests/temporary_folder.h"
 #include "worker/run_worker.h"
 
@@ -454,6 +456,68 @@ TEST(RenderLoop, AClientToldTwiceOfAJobListsItOnce) {
   }
   EXPECT_EQ(client.list().jobs_size(), 2);
   stop = true;
+  server.join();
+}
+
+/// Counts the waits of a transport, none of which ends by itself.
+class PatientTransport : public ServerTransport {
+ public:
+  PatientTransport(std::unique_ptr<ServerTransport> inner, std::atomic<int>& waits)
+      : inner_(std::move(inner)), waits_(waits) {}
+  std::string endpoint() const override { return inner_->endpoint(); }
+  std::string bulk_endpoint() const override { return inner_->bulk_endpoint(); }
+  void wait(std::chrono::milliseconds) override {
+    ++waits_;
+    inner_->wait(std::chrono::hours(1));
+  }
+  std::optional<ReceivedMessage> receive() override { return inner_->receive(); }
+  SendResult send(Channel channel, const PeerId& peer, MessageBytes bytes) override {
+    return inner_->send(channel, peer, std::move(bytes));
+  }
+  void wake() override { inner_->wake(); }
+
+ private:
+  std::unique_ptr<ServerTransport> inner_;
+  std::atomic<int>& waits_;
+};
+
+TEST(RenderLoop, AnOrderFromAnotherThreadIsHeardAndDeliveredInOneRound) {
+  MemoryNetwork network;
+  std::atomic<int> waits{0}, looks{0};
+  RenderLoop loop(std::make_unique<PatientTransport>(network.server(), waits), {});
+  std::atomic<bool> stop{false}, ordered{false};
+  std::atomic<uint64_t> job{0};
+  JobSpec spec = make_job(32, 32, 16);
+  loop.observe(
+      [&](Coordinator& coordinator, Time now) {
+        ++looks;
+        if (ordered.exchange(false)) job = coordinator.submit(spec, now);
+      },
+      std::chrono::hours(1));
+  // It says hello, and then nothing: no message of its own wakes the loop.
+  const auto worker = network.client();
+  std::thread server([&] { loop.serve(stop); });
+  const auto receive = [&](auto has) {
+    while (true) {
+      worker->wait(std::chrono::hours(1));
+      while (const auto received = worker->receive()) {
+        const auto message = decode(received->bytes, kMaxFrame);
+        if (message && has(*message)) return *message;
+      }
+    }
+  };
+  worker->send(Channel::control, encode(played_hello(1)));
+  receive([](const v1::Envelope& message) { return message.has_welcome(); });
+  while (waits < 2 || looks < 1) std::this_thread::yield();
+  const int waits_before = waits, looks_before = looks;
+  ordered = true;
+  loop.wake();
+  const auto start = receive([](const v1::Envelope& message) { return message.has_job_start(); });
+  EXPECT_EQ(start.job_start().job(), job);
+  EXPECT_EQ(looks, looks_before + 1);
+  EXPECT_LE(waits, waits_before + 1) << "the message left in the round of the order";
+  stop = true;
+  loop.wake();
   server.join();
 }
 

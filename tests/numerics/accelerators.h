@@ -48,7 +48,7 @@ struct Accelerators {
     a.all.push_back(std::make_unique<InstanceLinearScan>(instances));
     size_t bounded = 0;
     for (const Instance& i : instances) bounded += can_be_held(i, bounds_of(i));
-    if (bounded <= BoxRow::kMost)
+    if (bounded <= BoxSoA::kMost)
       for (const BvhKernels& code : all_kernels())
         a.all.push_back(std::make_unique<FewInstances>(instances, code));
     if (bounded == 0) return a;

@@ -91,7 +91,9 @@ class WithArray:
 
 @pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", ">i4", ">u8"])
 def test_indices_of_any_integer_type(kind):
-    assert np.array_equal(ts.Mesh(CUBE, FACES.astype(kind)).triangles, FACES)
+    faces = FACES.astype(kind)
+    assert np.array_equal(ts.Mesh(CUBE, faces).triangles, FACES)
+    assert np.array_equal(ts.Mesh(CUBE, [list(row) for row in faces]).triangles, FACES)
 
 
 @pytest.mark.parametrize("index", [-1, 8, 2**32, 2**32 + 1, 2**63])
@@ -100,6 +102,13 @@ def test_an_index_out_of_range_is_told(index):
     faces[1, 2] = index
     with pytest.raises(ValueError, match=f"triangles: index {index} in row 1; expected 0 to 7"):
         ts.Mesh(CUBE, faces)
+
+
+def test_an_index_is_told_by_what_it_counts():
+    with pytest.raises(ValueError, match="triangles: index 0 .*; expected none, since the mesh has no vert"):
+        ts.Mesh(np.zeros((0, 3)), [(0, 1, 2)])
+    with pytest.raises(ValueError, match="face_materials: index -1 in row 0; expected 0 to 4294967295$"):
+        ts.Mesh(CUBE, FACES, face_materials=[-1, 0, 0])
 
 
 def unaligned(array):
@@ -148,7 +157,7 @@ def test_the_largest_move_is_told_wherever_it_is(row):
 @pytest.mark.parametrize("field, array, message", [
     ("normals", np.zeros((4, 3)), r"normals: shape \(4, 3\); expected \(8, 3\), one a vertex"),
     ("uvs", np.zeros((8, 3)), r"uvs: shape \(8, 3\); expected \(8, 2\), one a vertex"),
-    ("colors", np.zeros((8, 5)), r"colors: shape \(8, 5\); expected \(8, 4\)"),
+    ("colors", np.zeros((8, 5)), r"colors: shape \(8, 5\); expected \(8, 3\) or \(8, 4\), one a vertex"),
     ("face_materials", np.zeros(4, "u4"), r"face_materials: shape \(4,\); expected \(3,\), one a triangle"),
 ])
 def test_shapes_are_told_as_found_and_expected(field, array, message):
@@ -240,6 +249,17 @@ def test_recentring_cannot_go_without_a_copy():
         ts.Mesh(frozen(CUBE), FACES, copy=False, recenter=True)
 
 
+def test_the_move_that_is_told_is_that_of_a_vertex():
+    far = np.array([(2.0 ** 24, 2.0 ** 24, 2.0 ** 24)] * 3) + [(0, 0, 0), (1, 1, 1), (4, 0, 0)]
+    with pytest.warns(ts.PrecisionWarning, match=r"rounded by up to 1\.73 m"):
+        ts.Mesh(far)
+    # On each axis it is less than 2^-24 of the extent.
+    beside = 2.0 ** -24 * .7
+    near = np.array([(1 + beside, 1 + beside, 1 + beside), (2, 1, 1), (1, 2, 1)])
+    with pytest.warns(ts.PrecisionWarning, match="rounded by up to 7.2"):
+        ts.Mesh(near)
+
+
 def test_rounding_is_told_and_avoided():
     far = CUBE.astype("f8") + [1e7, 0, 0] + .1
     with pytest.warns(ts.PrecisionWarning, match="rounded by up to"):
@@ -267,6 +287,18 @@ def test_none_at_all_is_legal():
 def test_colours_without_alpha_get_one():
     mesh = ts.Mesh(CUBE, FACES, colors=np.full((8, 3), .5))
     assert np.array_equal(mesh.colors, np.tile(np.float32([.5, .5, .5, 1]), (8, 1)))
+
+
+def test_read_only_colours_without_alpha_are_copied_whole():
+    given = frozen(np.random.default_rng(1).random((8, 3), "f4"))
+    held = ts.Mesh(CUBE, FACES, colors=given).colors
+    assert held.shape == (8, 4) and np.array_equal(held[:, :3], given) and (held[:, 3] == 1).all()
+    assert not np.shares_memory(held, given)
+    with pytest.raises(ValueError, match="colors: copy=False, but it has another shape"):
+        ts.Mesh(frozen(CUBE), FACES, colors=given, copy=False)
+    mesh = ts.Mesh(CUBE, FACES)
+    mesh.colors = ts.Array.from_bytes(given.tobytes(), "f", [8, 3])
+    assert np.array_equal(mesh.colors, held)
 
 
 def test_arrays_of_our_own():
@@ -317,8 +349,25 @@ def test_textures_from_arrays():
         assert (texture.height, texture.width, texture.channels, texture.bits) == (2, 3, channels, bits)
     by_array = ts.Scene(nodes=[ts.Sphere(material=ts.Classic(diffuse=np.zeros((2, 3, 3), "u1")))])
     assert len(by_array.to_dict()["textures"]) == 1
+    picture = np.arange(24, dtype="u1").reshape(2, 4, 3)
+    materials = [ts.Classic(diffuse="red", normal_map=given)
+                 for given in (picture, ts.ImageTexture(picture, encoding="linear"))]
+    skies = [ts.Background(panorama=ts.BackgroundPanorama(given)) for given in (picture, ts.ImageTexture(picture))]
+    by_array, by_texture = (
+        ts.Scene(nodes=[ts.Sphere(material=material)], background=sky, textures=[given]).digest
+        for material, sky, given in zip(materials, skies, (picture, ts.ImageTexture(picture))))
+    assert by_array == by_texture
+    for none, found in ((np.zeros((2, 2), bool), "booleans"), ([], "no numbers"), (np.zeros((2, 2), "i8"), "integers of more")):
+        with pytest.raises(TypeError, match=f"texels: {found}.*; expected uint8, float16 or float32"):
+            ts.ImageTexture(none)
     with pytest.raises(ValueError, match=r"texels: shape \(2, 3, 5\)"):
         ts.ImageTexture(np.zeros((2, 3, 5), "u1"))
+
+
+def test_a_mesh_of_what_has_points_and_cells():
+    class Soup:
+        points, cells = CUBE, FACES
+    assert ts.Mesh.from_(Soup()) == ts.Mesh(CUBE, FACES)
 
 
 def test_meshes_of_others():
@@ -327,6 +376,18 @@ def test_meshes_of_others():
     assert np.array_equal(mesh.positions, CUBE) and np.array_equal(mesh.triangles, FACES)
     with pytest.raises(TypeError, match="expected vertices or points"):
         ts.Mesh.from_(object())
+
+
+def test_cells_of_meshio_that_are_quads_become_triangles():
+    import meshio
+    quads = np.array([(0, 1, 3, 2), (4, 6, 7, 5)])
+    mesh = ts.Mesh.from_(meshio.Mesh(CUBE, [("triangle", FACES), ("quad", quads)]))
+    assert mesh.triangles.tolist() == [*FACES.tolist(), [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5]]
+    assert ts.Mesh.from_(meshio.Mesh(CUBE, [("quad", quads)])).triangles.tolist() == mesh.triangles[3:].tolist()
+    beside = meshio.Mesh(CUBE, [("vertex", [[0]]), ("line", [(0, 1)]), ("triangle", FACES)])
+    assert np.array_equal(ts.Mesh.from_(beside).triangles, FACES)
+    with pytest.raises(ValueError, match="cells: 1 of kind 'tetra'; expected those of kinds 'triangle' and 'quad'"):
+        ts.Mesh.from_(meshio.Mesh(CUBE, [("triangle", FACES), ("tetra", [(0, 1, 2, 4)])]))
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
@@ -348,3 +409,26 @@ def test_other_whole_colours_are_light_up_to_1():
 
 
 TRIANGLE = [(0., 0, 0), (1, 0, 0), (0, 1, 0)]
+
+
+def test_the_class_below_an_array_refuses_to_be_called():
+    base = ts.Array.__base__
+    for made in (base, type("Derived", (base,), {})):
+        with pytest.raises(TypeError, match="cannot be called"):
+            made()
+    assert list(ts.Array.of([1, 2], "I", [2])) == [1, 2]
+
+
+def test_masked_values_are_refused():
+    whole = np.ma.array(np.eye(3))
+    assert ts.Mesh(whole, [(0, 1, 2)]) == ts.Mesh(np.eye(3), [(0, 1, 2)])
+    holed = np.ma.array(np.eye(3), mask=np.eye(3))
+    for use in (lambda: ts.Mesh(holed, [(0, 1, 2)]), lambda: ts.ImageTexture(holed.astype("f4"))):
+        with pytest.raises(ValueError, match="masked values; expected none"):
+            use()
+
+
+@pytest.mark.parametrize("wrong", [np.ones(3, complex), np.full(3, "1")])
+def test_transforms_move_real_numbers(wrong):
+    with pytest.raises(TypeError, match="points: dtype .*; expected float64 or what fits into it"):
+        ts.translate(1, 2, 3) @ wrong

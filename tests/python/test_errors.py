@@ -1,9 +1,14 @@
 """What is wrong is told: the class, the place in the script, the way to it, the nearest name."""
+import errno
+import os
 import pathlib
+import pickle
 
+import numpy as np
 import pytest
 
 import tessera as ts
+from conftest import SANITIZER
 
 IDENTITY = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 LINES = pathlib.Path(__file__).read_text(encoding="utf-8").splitlines()
@@ -34,6 +39,12 @@ def test_a_wrong_value_tells_its_place_and_path():
     (lambda: ts.Sphere((0, 0)), r"center: 2 numbers; expected 3"),
     (lambda: ts.Sphere(radius=float("nan")), "nan; expected a finite number"),
     (lambda: ts.Sphere(radius=ts.Box()), "a number"),
+    (lambda: ts.Sphere(radius=True), "radius: True; expected a number"),
+    (lambda: ts.Torus(major_radius=np.bool_(True)), "expected a number"),
+    (lambda: ts.Sphere(transform=ts.Transform([ts.TransformStep(translate=(1, 2, "x"))])),
+     r"nodes\[0\].transform.steps\[0\].translate: 'x'"),
+    (lambda: ts.Node(shape=ts.Box(transform=ts.Transform([ts.TransformStep(scale=(1, 2, "x"))]))),
+     r"nodes\[0\].shape.transform.steps\[0\].scale: 'x'"),
     (lambda: ts.Csg("unoin", []), "did you mean 'union'"),
     (lambda: ts.Sphere(name=3), "name: 3; expected text"),
     (lambda: ts.Sphere(name="\ud800"), "expected text"),
@@ -123,6 +134,23 @@ def test_what_holds_itself_ends():
         digest(ts.Sphere(material=material))
 
 
+def test_what_is_nested_without_an_end_is_told_or_cut_off():
+    node, description = ts.Node(), {"nodes": [{"children": []}]}
+    node.children = [node]
+    description["nodes"][0]["children"] = description["nodes"]
+    deep = {}
+    for _ in range(1000):
+        deep = {"children": [deep]}
+    line = test_what_is_nested_without_an_end_is_told_or_cut_off.__code__.co_firstlineno + 1
+    for call, place in ((node.copy, f"{__file__}:{line}"), (node.flip, f"{__file__}:{line}"),
+                        (lambda: ts.load_dict(description), "description"),
+                        (lambda: ts.load_dict({"nodes": [deep]}), "description")):
+        with pytest.raises(ts.SceneError, match=f"^{place}: something inside itself, or nested too deep"):
+            call()
+    assert repr(node) == "Node(children=[" * 65 + "..." + "])" * 65
+    assert repr(ts.Node(children=[ts.Node()])) == "Node(children=[Node()])"
+
+
 def test_wrong_names_tell_the_nearest():
     with pytest.raises(TypeError, match="no keyword 'centre'; did you mean 'center'"):
         ts.Sphere(centre=(0, 0, 0))
@@ -138,11 +166,166 @@ def test_wrong_names_tell_the_nearest():
         sphere.radios
 
 
+SCENE, IMAGE = ts.Scene(nodes=[ts.Sphere()]), ts.Image.from_array([[0.5, 1]])
+SMALL = {"size": (4, 4), "workers": 0}
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: ts.Mesh([], [], copy="x"), "copy: 'x'; expected True, False or None"),
+    (lambda: ts.Vec(1, 2), "2 numbers; expected a vector of 3 numbers"),
+    (lambda: ts.Vec(1, "a", 3), "'a'; expected a vector of 3 numbers"),
+    (lambda: ts.Vec(w=1), "w: expected Vec(x, y, z) or Vec(components)"),
+    (lambda: ts.solve_quadratic(1, "a", 3), "b: 'a'; expected a number"),
+    (lambda: IMAGE.aov(1.5), "name: 1.5; expected the name of an AOV"),
+    (lambda: SCENE.tracer().camera_rays((4, 4), camera=1j), "camera: 1j; expected text"),
+    (lambda: ts.Array.of([[]], "", ()), "Array: elements of format ''"),
+    (lambda: SCENE.render(place=3, **SMALL), "place: 3; expected text or several of them"),
+    (lambda: ts.load(3), "path: 3; expected the path of a file"),
+    (lambda: SCENE.save(3), "path: 3; expected the name of a file"),
+    (lambda: IMAGE.save(3), "path: 3; expected the name of a file"),
+    (lambda: SCENE.tracer().spawn(3, (0, 0, 1)), "hits: 3; expected Hits or AllHits"),
+    (lambda: ts.Sphere().mirror((0, 1, 0)), "plane: (0, 1, 0); expected a Plane"),
+    (lambda: ts.load_dict(None), "description: None; expected a dict"),
+    (lambda: ts.Scene(response=abs), "response: a function; expected (a, b, c) of a x^2 + b x + c; any "
+     "function is for Image.apply"),
+])
+def test_what_is_of_a_wrong_type_is_told_in_words_of_python(call, message):
+    with pytest.raises(TypeError) as told:
+        call()
+    assert str(told.value) == message
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: SCENE.render(size=(4, 4), workers=-1), "workers: -1; expected a whole number from 0 to 1024"),
+    (lambda: SCENE.render(spp=True, **SMALL), "spp: True; expected a whole number from 1 to "),
+    (lambda: SCENE.render(camera=True, **SMALL), "camera: True; expected CAMERA"),
+    (lambda: SCENE.render(size=(64,), workers=0),
+     "size: (64,); expected (width, height), whole numbers from 1 to 65536, such as (1920, 1080)"),
+    (lambda: SCENE.render(crop=(1, 2), **SMALL), "crop: (1, 2); expected (x0, y0, x1, y1) with 0 <= x0 < x1 "),
+    (lambda: SCENE.tracer().camera_rays((1, 2, 3)), "size: (1, 2, 3); expected (width, height), whole numbers"),
+    (lambda: ts.Array.of([1], "d", (2,)), "Array: 8 bytes; expected 16"),
+    (lambda: ts.color((1, 2)), "color: (1, 2); expected a name, '#rrggbb', three numbers or one"),
+    (lambda: ts.color(None), "color: None; expected a name"),
+    (lambda: ts.hsl(0, 2, .5), "saturation: 2; expected a number from 0 to 1"),
+    (lambda: ts.keys([(0,)]), "pairs: (0,); expected (time, transform)"),
+    (lambda: ts.Array.of(["x"], "d", (1,)), "Array: required argument is not a float; expected numbers of the"),
+])
+def test_values_are_told_in_words_of_python(call, message):
+    with pytest.raises(ValueError) as told:
+        call()
+    assert str(told.value).startswith(message)
+
+
+@pytest.mark.parametrize("call, name, near", [
+    (lambda: ts.LocalFarm(worker=1), "worker", "workers"), (lambda: ts.Farm(endpont="x"), "endpont", "endpoint"),
+    (lambda: SCENE.tracer(acel="bvh"), "acel", "accel"), (lambda: SCENE.add(ts.Box(), nmae="x"), "nmae", "name"),
+    (lambda: SCENE.instances(ts.Box(), [], name="x"), "name", "names"),
+    *((lambda query=query: getattr(SCENE.tracer(), query)((0, 0, 9), (0, 0, 1), tmax=3), "tmax", "t_max")
+      for query in ("intersect", "occluded", "intersect_all", "crossings")),
+    (lambda: SCENE.tracer().contains((0, 0, 0), shpae=1), "shpae", "shape"),
+    (lambda: SCENE.tracer().camera_rays(sise=(1, 1)), "sise", "size"),
+    (lambda: ts.Classic.toolbox(color="red"), "color", "colour"),
+])
+def test_functions_tell_the_keyword_that_is_nearest(call, name, near):
+    with pytest.raises(TypeError, match=f"has no keyword '{name}'; did you mean '{near}'"):
+        call()
+
+
+@pytest.mark.parametrize("description, message", [
+    ({1: 2}, "description: the key 1; expected text"),
+    ({"nodes": {1, 2}}, "nodes: a set; expected a number, text, a list or a dict"),
+    ({"nodes": [{"shape": b"x"}]}, r"nodes\[0\].shape: a bytes; expected"),
+    ({"settings": {"width": float("nan")}}, "settings.width: nan; expected a finite number"),
+])
+def test_what_no_description_has_is_told_by_its_path(description, message):
+    with pytest.raises(ts.SceneError, match=message):
+        ts.load_dict(description)
+
+
+def test_descriptions_take_numbers_of_numpy():
+    scene = ts.load_dict({"settings": {"width": np.int64(7)}, "nodes": [
+        {"transform": {"steps": [{"matrix": {"rows": np.eye(3, 4).reshape(-1)}}]}}]})
+    assert scene.width == 7 and len(scene.to_dict()["nodes"][0]["transform"]["steps"][0]["matrix"]["rows"]) == 12
+
+
+def test_an_array_in_place_of_a_texture_has_the_line_of_what_it_stands_in():
+    test = test_an_array_in_place_of_a_texture_has_the_line_of_what_it_stands_in
+    line = test.__code__.co_firstlineno + 3
+    wrong = ts.Classic(diffuse=np.full((2, 2, 3), np.nan))
+    with pytest.raises(ts.SceneError) as told:
+        ts.Scene(nodes=[ts.Sphere(material=wrong)]).render(workers=0, size=(4, 4))
+    assert told.value.place == f"{__file__}:{line}"
+    with pytest.raises(ValueError, match=r"texels: shape \(100000, 100000\); expected sides of at most 65536"):
+        ts.ImageTexture(np.broadcast_to(np.uint8(0), (10**5, 10**5)))
+
+
+def test_a_material_beside_several_is_refused():
+    with pytest.raises(TypeError, match="material beside materials"):
+        ts.Sphere(material="a", materials=["b"])
+
+
+def test_what_never_changes_is_not_assigned_to():
+    with pytest.raises(AttributeError, match="Image.linear cannot be assigned to"):
+        IMAGE.linear = 5
+    tracer = SCENE.tracer()
+    names = tracer.instances
+    tracer.instances.append("another")
+    assert tracer.instances == names
+
+
+def test_no_shared_verification_is_none_chosen_beside_a_farm():
+    with ts.Threads(1) as farm:
+        assert SCENE.render(size=(4, 4), farm=farm, verify=0).size == (4, 4)
+        with pytest.raises(ts.UsageError, match="^workers: cannot be chosen with farm"):
+            SCENE.render(size=(4, 4), farm=farm, workers=1)
+
+
+def test_a_setting_is_taken_back():
+    scene = ts.Scene(response=(1, 2, 3))
+    scene.response = None
+    assert scene.response is None and scene == ts.Scene()
+    scene.spp = scene.width = 8
+    scene.spp = scene.seed = None
+    assert scene == ts.Scene(width=8) and scene.settings.sampling is None
+    scene.width = None
+    assert scene.settings is None
+
+
+def test_what_cannot_be_written_is_no_wrong_argument(tmp_path):
+    missing = tmp_path / "none"
+    for write in (lambda: IMAGE.save(missing / "x.png"), lambda: SCENE.save(missing / "x.json")):
+        with pytest.raises(ts.RenderError, match="cannot be written: there is no folder"):
+            write()
+    with pytest.raises(ts.RenderError, match="cannot be written"):
+        IMAGE.save(missing / "x.png", tmp_path / "a.png")
+    assert ts.read_image(tmp_path / "a.png").size == (2, 1)
+    with pytest.raises(ts.UsageError):
+        IMAGE.save(missing / "x.foo")
+
+
+def test_names_are_spelt_with_either_dash():
+    for name in ("bvh_splits", "bvh-splits"):
+        assert ts.Scene(nodes=[ts.Sphere()], accel=name).render(accel=name, **SMALL)
+        assert ts.Scene(nodes=[ts.Sphere()], accel=name).render(**SMALL) and SCENE.tracer(accel=name)
+    for name in ("owen_sobol", "owen-sobol"):
+        assert (SCENE.render(pattern=name, **SMALL)
+                == ts.Scene(nodes=[ts.Sphere()], pattern=name).render(**SMALL))
+
+
 def test_files(tmp_path):
+    bad = tmp_path / "bad.tessera"
     with pytest.raises(ts.MissingFile) as told:
         ts.load(tmp_path / "none.tessera")
     assert told.value.filename == str(tmp_path / "none.tessera")
-    bad = tmp_path / "bad.tessera"
+    for use, path in ((lambda: ts.load(bad, place="nofile.ply"), "nofile.ply"),
+                      (ts.Scene(includes=[ts.Include("nope.tessera")]).check, os.path.abspath("nope.tessera")),
+                      (lambda: ts.read_image("\udcff.png"), "\udcff.png")):
+        bad.write_text("nodes { shape { sphere {} } }")
+        with pytest.raises(ts.MissingFile, match="there is no such file|no such file") as told:
+            use()
+        for error in (told.value, pickle.loads(pickle.dumps(told.value))):
+            assert (error.filename, error.errno, error.place) == (path, errno.ENOENT, path)
+            assert str(error) == str(told.value)
     bad.write_text("nodes {\n  shpae {} }\n")
     with pytest.raises(ts.SceneError, match="did you mean 'shape'") as told:
         ts.load(bad)
@@ -196,6 +379,7 @@ def test_what_is_missing_is_told_as_not_set(light, path):
     (lambda s: s.nodes.append(ts.Node(billboard_axis=(0, 1, 0), children=[ts.Box()], shape=ts.Sphere(
         radius=-4, transform=ts.scale(2)))), "nodes[0].shape.radius", "-4"),
     (lambda s: s.add(ts.Torus(minor_radius=-2), name="hall"), "nodes[0].shape.minor_radius", "-2"),
+    (lambda s: s.add(ts.Torus(minor_radius=-2), name="a: b > 'c"), "nodes[0].shape.minor_radius", "-2"),
 ])
 def test_what_only_the_renderer_sees_has_its_line_too(wrong, path, found):
     scene = ts.Scene()
@@ -206,6 +390,19 @@ def test_what_only_the_renderer_sees_has_its_line_too(wrong, path, found):
         assert caught.value.path == path
         assert caught.value.place.startswith(__file__ + ":")
         assert str(caught.value).startswith(f"{caught.value.place}: {path}: ")
+
+
+@pytest.mark.parametrize("wrong, path, found", [
+    ({"response": (1, 2)}, "output.response", "has 2 numbers"), ({"gamma": 0}, "output.gamma", "is 0"),
+    ({"gamma": -1}, "output.gamma", "is -1"), ({"max_depth": 10**9}, "integrator.max_depth", "is 1000000000"),
+    ({"target_error": -1}, "sampling.target_error", "is -1"), ({"width": 99999}, "width", "is 99999")])
+def test_wrong_settings_have_their_line_too(wrong, path, found):
+    scene = ts.Scene(nodes=[ts.Sphere()], **wrong)
+    for use in (lambda: scene.render(workers=0), scene.check):
+        with pytest.raises(ts.SceneError, match=f"{path} {found}; expected") as caught:
+            use()
+        assert caught.value.path == f"settings.{path}"
+        assert caught.value.place == f"{__file__}:{LINES.index('    scene = ts.Scene(nodes=[ts.Sphere()], **wrong)') + 1}"
 
 
 # ---- nodes that stand in others twice, so that each level doubles their number
@@ -232,3 +429,67 @@ def test_nodes_that_double_are_copied_turned_and_shown():
     assert repr(node).count("Sphere(") < 100_000 and "..." in repr(node)
     few = ts.Node(children=[ts.Node(), ts.Node()])
     assert eval(repr(few), vars(ts)) == few
+
+
+@pytest.mark.parametrize("call", [
+    lambda huge: SCENE.render(max_depth=huge), lambda huge: SCENE.render(frame=huge),
+    lambda huge: SCENE.render(workers=huge), lambda huge: ts.Farm(timeout=huge)])
+def test_numbers_of_many_digits_are_told_shortly(call):
+    for huge in (10**400, 10**5000):
+        with pytest.raises(ts.UsageError, match="^[a-z_]*: a (whole )?number .{0,60}; expected") as told:
+            call(huge)
+        assert len(str(told.value)) < 120
+
+
+@pytest.mark.parametrize("use, message", [
+    (lambda path: ts.Image.from_array(np.ones((1, 1))).save(path / "a--b.xyz"), "a--b.xyz"),
+    (lambda path: SCENE.render(workers=0, assets="a--b-c"), "assets: .*'a--b-c'"),
+    (lambda path: SCENE.render(workers=0, camera="x:1: y"), "camera.*'x:1: y'"),
+    (lambda path: SCENE.render(workers=0, pinhole=1), "pinhole: 1; expected True or False"),
+    (lambda path: ts.Scene(nodes=[ts.Sphere(name="\udc80")]).digest, "expected text that is UTF-8"),
+    (lambda path: SCENE.tracer(assets="nowhere"), "assets: there is no folder 'nowhere'"),
+])
+def test_what_users_named_is_told_as_they_wrote_it(use, message, tmp_path):
+    with pytest.raises(ts.Error, match=message) as caught:
+        use(tmp_path)
+    assert caught.value.place == "" or "test_errors.py" in caught.value.place
+
+
+def test_a_file_without_lines_is_the_place(tmp_path):
+    bad = tmp_path / "bad.tesserab"
+    bad.write_bytes(b"\xff" * 20)
+    for path in (bad, tmp_path):
+        with pytest.raises(ts.SceneError) as told:
+            ts.load(path)
+        assert told.value.place == str(path) and told.value.message.startswith(str(path))
+
+
+def test_a_scene_that_was_loaded_tells_the_path():
+    scene = ts.load_dict({"nodes": [{"shape": {"sphere": {"radius": -1}}}]})
+    with pytest.raises(ts.SceneError, match="^nodes.0..shape.radius: sphere.radius is -1; expected") as told:
+        scene.render(**SMALL)
+    assert (told.value.place, told.value.path) == ("", "nodes[0].shape.radius")
+
+
+def test_indices_beyond_64_bits_are_out_of_range():
+    for wrong in (2 ** 63, -2 ** 70):
+        with pytest.raises(ValueError, match="triangles: a number beyond 64 bits; expected 0 to 2"):
+            ts.Mesh(np.zeros((3, 3)), [[0, 1, wrong]])
+
+
+@pytest.mark.skipif(SANITIZER is not None, reason="a sanitizer needs more address space than the test allows")
+@pytest.mark.parametrize("farm", ["Threads(1)", "LocalFarm(1)"])
+def test_a_picture_without_memory_leaves_its_farm_usable(script, farm):
+    assert script(f"""
+import resource, sys
+import tessera as ts
+scene = ts.Scene(nodes=[ts.Sphere()], background=.5, width=16, height=16)
+with ts.{farm} as farm:
+    before = scene.render(farm=farm)
+    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + (1000 << 20), resource.RLIM_INFINITY))
+    try:
+        scene.render(size=(16000, 16000), spp=1, farm=farm)
+    except MemoryError:
+        print(scene.render(farm=farm) == before)
+""") == "True"

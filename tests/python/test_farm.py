@@ -116,6 +116,14 @@ def test_a_job_shows_what_is_done_of_it(served):
         assert done.any() and (linear[done] == final.linear[done]).all()
 
 
+def test_a_scene_that_a_farm_is_not_given_has_its_line_in_the_script(served):
+    scene = ts.Scene(nodes=[ts.Sphere()], gamma=0)
+    with served.farm() as farm, pytest.raises(ts.SceneError) as told:
+        farm.submit(scene, size=(8, 8))
+    line = test_a_scene_that_a_farm_is_not_given_has_its_line_in_the_script.__code__.co_firstlineno + 1
+    assert told.value.place == f"{__file__}:{line}"
+
+
 def test_a_job_from_its_submission_to_its_picture(served, expected):
     with served.farm() as farm:
         job = farm.submit(KNOT, size=SIZE, name="a knot", priority=3)
@@ -139,7 +147,7 @@ def test_a_job_from_its_submission_to_its_picture(served, expected):
 
 def test_an_animation(served):
     with served.farm() as farm:
-        job = farm.submit(KNOT, size=(8, 8), frames=(3, 5))
+        job = farm.submit(KNOT, size=(8, 8), frames=range(3, 6))
         job.wait(60)
         assert list(job.frames()) == [3, 4, 5]
         assert job.fetch(4) == ts.render(KNOT, size=(8, 8), frame=4, workers=0)
@@ -156,8 +164,11 @@ def test_orders(served):
             job.fetch()
         with pytest.raises(TimeoutError):
             job.wait(.2)
-        job.resume()
-        assert job.status()["state"] in ("queued", "running")
+        job.resume(priority=7)
+        status = job.status()
+        assert status["state"] in ("queued", "running") and status["priority"] == 7
+        with pytest.raises(ts.UsageError, match="priority: 1001; expected a whole number from -1000 to 1000"):
+            job.resume(1001)
         job.cancel()
         assert job.wait(30)["state"] == "cancelled"
         job.cancel()  # as on the command line, twice is as good as once
@@ -195,6 +206,36 @@ def test_a_picture_is_denoised_when_it_is_fetched(served):
             plain.fetch(denoise=True)
 
 
+def test_what_is_asked_of_a_job_is_checked(served):
+    with served.farm() as farm:
+        job = farm.submit(KNOT, size=(8, 8), spp=1)
+        for wrong in (None, True, 1.5, job):
+            with pytest.raises(TypeError, match="^job: .*; expected the number or the name of a job"):
+                farm.job(wrong)
+        with pytest.raises(ts.UsageError, match="job: .*; expected text that is UTF-8"):
+            farm.job("\ud800")
+        for wrong in (-1, float("nan"), float("inf")):
+            with pytest.raises(ts.UsageError, match="interval: .*; expected seconds"):
+                job.watch(wrong)
+        with pytest.raises(TypeError, match="frame: True; expected a whole number"):
+            job.fetch(True)
+        with pytest.raises(TypeError, match="denoise: 'yes'; expected True or False"):
+            job.fetch(denoise="yes")
+        job.wait(60)
+        job.forget()
+        with pytest.raises(ts.RenderError, match="is forgotten"):
+            job.fetch()
+
+
+def test_a_job_may_have_no_name(served):
+    with served.farm() as farm:
+        named, unnamed = (farm.submit(KNOT, size=(8, 8), **name) for name in ({}, {"name": None}))
+        assert named.status()["name"] == unnamed.status()["name"] != ""
+        with pytest.raises(TypeError) as told:
+            farm.submit(KNOT, name=3)
+        assert str(told.value) == "name: 3; expected text"
+
+
 def test_of_jobs_that_share_a_name_the_latest_is_told(served):
     with served.farm() as farm:
         jobs = [farm.submit(KNOT, size=(8, 8), name="twin") for _ in range(2)]
@@ -207,8 +248,10 @@ def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):
         with pytest.raises(ts.Refused, match="does not let this key in") as caught:
             farm.jobs()
         assert isinstance(caught.value, PermissionError)
-        with pytest.raises(ts.Refused):
+        with pytest.raises(ts.Refused) as again:
             ts.render(KNOT, size=SIZE, farm=farm)
+        for error in (caught.value, again.value, pickle.loads(pickle.dumps(caught.value))):
+            assert error.endpoint == served.endpoint
     with pytest.raises(ts.UsageError, match="^key: .*no such file"):
         served.farm(key=tmp_path / "missing.key")
     with pytest.raises(ts.UsageError, match="^key: needs server_key"):
@@ -217,6 +260,7 @@ def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):
         with pytest.raises(ts.FarmError, match="nothing listens") as caught:
             nobody.jobs()
         assert isinstance(caught.value, ConnectionError) and caught.value.code == 3
+        assert caught.value.endpoint == "tcp://127.0.0.1:9"
     with served.farm() as farm:
         for keyword in ("workers", "denoise", "output", "stats", "resume", "connect", "on_tile"):
             with pytest.raises(TypeError, match=f"submit.. has no keyword '{keyword}'"):
@@ -225,8 +269,18 @@ def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):
             farm.submit(KNOT, priority=2000)
     with pytest.raises(RuntimeError, match="closed"):
         farm.jobs()
-    with pytest.raises(ts.UsageError, match="timeout"):
-        served.farm(timeout=0)
+    for timeout in (0, float("inf"), float("nan"), 1e300):
+        with pytest.raises(ts.UsageError, match="^timeout: .*expected seconds above 0"):
+            served.farm(timeout=timeout)
+
+
+def test_another_key_of_the_coordinator_is_told_long_before_the_timeout(served):
+    others = served.folder / "stranger.pub"
+    with served.farm(server_key=others, timeout=10**6) as farm:
+        with pytest.raises(ts.FarmError, match="no connection .*another key"):
+            farm.jobs()
+        with pytest.raises(ts.FarmError, match="no connection .*another key"):
+            ts.render(KNOT, size=SIZE, farm=farm)
 
 
 def test_ctrl_c_ends_a_question_that_waits_for_that_of_another_thread(script):
@@ -256,7 +310,10 @@ def test_jobs_pickle_and_no_secret_is_told(served, caplog):
     assert words
     with caplog.at_level(logging.DEBUG), served.farm() as farm:
         job = farm.submit(KNOT, size=(8, 8))
+        threads = len(os.listdir("/proc/self/task"))
         copy = pickle.loads(pickle.dumps(job))
+        assert (copy, hash(copy), repr(copy)) == (job, hash(job), repr(job))
+        assert len(os.listdir("/proc/self/task")) == threads  # it connects when it is asked something
         with copy.farm:
             assert copy == job and copy.wait(60)["state"] == "done"
         shown = [repr(farm), repr(job), caplog.text, pickle.dumps(job).decode("latin1")]

@@ -32,7 +32,9 @@ def arrays(draw):
             array = np.zeros(shape, draw(dtypes))
     if array.ndim and draw(st.booleans()):
         array = array[::-1]
-    return array.T if draw(st.booleans()) else array
+    array = array.T if draw(st.booleans()) else array
+    array.flags.writeable = draw(st.booleans())
+    return array
 
 
 @pytest.fixture(scope="module")
@@ -71,11 +73,12 @@ def test_values(farm, kind, data):
 
 
 @FUZZ
-@given(arrays(), st.one_of(st.none(), arrays()), st.one_of(st.none(), arrays()), st.one_of(st.none(), arrays()))
-def test_meshes(farm, positions, triangles, normals, uvs):
+@given(arrays(), st.dictionaries(st.sampled_from(["triangles", "normals", "uvs", "colors", "face_materials"]),
+                                 arrays()), st.sampled_from([None, True, False, "x"]))
+def test_meshes(farm, positions, beside, copy):
     try:
         scene = ts.Scene()
-        scene.add(ts.Mesh(positions, triangles, normals=normals, uvs=uvs))
+        scene.add(ts.Mesh(positions, **beside, copy=copy))
         used(scene, farm)
     except EXPECTED:
         pass

@@ -1,6 +1,6 @@
-"""Ctrl-C, fork, spawn and the end of the interpreter."""
+"""Ctrl-C and the end of the interpreter."""
+import contextlib
 import glob
-import multiprocessing
 import os
 import pathlib
 import signal
@@ -38,6 +38,16 @@ def wait_until(condition, seconds=20):
         time.sleep(.01)
 
 
+def next_line(process):
+    """One line and not a byte more: communicate() reads what is left in the pipe itself."""
+    line = b""
+    while not line.endswith(b"\n"):
+        byte = os.read(process.stdout.fileno(), 1)
+        assert byte, f"it ended: {process.stderr.read()}"
+        line += byte
+    return line.decode()
+
+
 @pytest.fixture
 def folder():
     with tempfile.TemporaryDirectory(prefix="t", dir="/tmp") as path:
@@ -59,7 +69,7 @@ def started(folder):
                                    stderr=subprocess.PIPE,
                                    env={**os.environ, "TMPDIR": str(folder)})
         processes.append(process)
-        assert process.stdout.readline() == "begins\n"
+        assert next_line(process) == "begins\n"
         return process
 
     yield start
@@ -92,13 +102,16 @@ print(ts.render({KNOT!r}, size=(8, 8), {who}).sha256)
 
 
 @pytest.mark.parametrize("call", [
-    "scene.digest", "scene.save('/dev/null/none.tesserab')", "scene.info()", "scene.tracer()"])
+    "scene.digest", "scene.save('/dev/null/none.tesserab')", "scene.info()", "scene.tracer()",
+    "scene.to_dict()", "pickle.dumps(scene)"])
 def test_ctrl_c_while_a_large_scene_is_read(started, call):
     process = started(f"""
-import signal
+import pickle, signal
 import tessera as ts
 node = ts.Node()
 scene = ts.Scene(width=8, height=8, nodes=[ts.Node(children=[node] * 1000) for _ in range(1000)])
+if "pickle" in {call!r}:  # it stores a node once, however often it is listed
+    scene = ts.Scene(nodes=[ts.Node() for _ in range(100_000)])
 count = 0
 def handler(*_):
     global count
@@ -115,6 +128,95 @@ except KeyboardInterrupt:
 """)
     out, err = process.communicate(timeout=60)
     assert (out.strip(), err) == ("interrupted 1", "")
+
+
+READS_MUCH = """
+import os, signal
+import tessera as ts
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+with open({file!r}, "w") as file:
+    for i in range({nodes}):
+        file.write("nodes {{ transform {{ steps {{ translate {{ x: %d }} }} }} shape {{ sphere {{}} }} }}\\n" % i)
+print("begins", flush=True)
+before = len(os.listdir("/proc/self/task"))
+signal.setitimer(signal.ITIMER_REAL, .05)
+try:
+    ts.load({file!r})
+    print("ended")
+except KeyboardInterrupt:
+    print("interrupted", len(os.listdir("/proc/self/task")) - before, flush=True)
+"""
+
+
+def test_ctrl_c_while_a_large_file_is_read_is_raised_though_reading_goes_on(folder, started):
+    process = started(READS_MUCH.format(file=str(folder / "much.tessera"), nodes=50_000) + f"""
+print(ts.load({KNOT!r}).digest)
+""")
+    out, err = process.communicate(timeout=60)
+    assert (out.split(), err) == (["interrupted", "1", ts.load(KNOT).digest], "")
+
+
+def test_the_interpreter_ends_though_reading_goes_on_for_longer_than_it_waits(folder, started):
+    process = started(READS_MUCH.format(file=str(folder / "much.tessera"), nodes=600_000) + """
+raise SystemExit(7)
+""")
+    out, err = process.communicate(timeout=60)
+    assert (out.split(), err, process.returncode) == (["interrupted", "1"], "", 7)
+
+
+def test_arrays_shared_with_abandoned_work_live_as_long_as_that(started):
+    process = started("""
+import gc, signal
+import numpy as np
+import tessera as ts
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+n = 1000
+corner = np.arange(n * n).reshape(n, n)
+triangles = np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in (
+    (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:]), (corner[:-1, :-1], corner[1:, 1:], corner[:-1, 1:]))])
+positions = np.stack([*np.meshgrid(np.arange(n), np.arange(n)), np.random.rand(n, n)], -1)
+positions = positions.reshape(-1, 3).astype("f4")
+positions.flags.writeable = False
+mesh = ts.Mesh(positions, triangles)
+assert np.shares_memory(np.asarray(mesh.positions), positions)
+print("begins", flush=True)
+signal.setitimer(signal.ITIMER_REAL, .05)
+try:
+    ts.Scene(nodes=[mesh]).tracer()
+    print("ended")
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+del mesh, positions, triangles, corner
+gc.collect()
+waste = [np.random.rand(3 * n * n) for _ in range(10)]
+""")
+    out, err = process.communicate(timeout=60)
+    assert (out.strip(), err, process.returncode) == ("interrupted", "", 0)
+
+
+def test_ctrl_c_while_a_dict_is_made(script):
+    assert script("""
+import json, signal, time
+import tessera as ts
+from tessera import _core
+scene = ts.Scene(nodes=[ts.Sphere(radius=i + 1) for i in range(100_000)])
+text = _core.to_json(scene)
+begin = time.monotonic()
+json.loads(text)
+whole = time.monotonic() - begin
+def interrupt(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, interrupt)
+def text_at_once(_):
+    signal.setitimer(signal.ITIMER_REAL, whole / 10)
+    return text
+_core.to_json = text_at_once
+begin = time.monotonic()
+try:
+    scene.to_dict()
+except KeyboardInterrupt:
+    print(time.monotonic() - begin < whole * .7)
+""") == "True"
 
 
 def test_ctrl_c_ends_workers_and_folders_before_it_is_raised(folder, started):
@@ -134,12 +236,86 @@ except KeyboardInterrupt:
     process = started(script)
     assert len(children(process.pid)) >= 2
     process.send_signal(signal.SIGINT)
-    assert process.stdout.readline() == "interrupted\n"
+    assert next_line(process) == "interrupted\n"
     assert not [p for p in folder.iterdir() if p.name.startswith("tessera-farm")]
     assert not [c for c in children(process.pid)
                 if b"worker" in pathlib.Path(f"/proc/{c}/cmdline").read_bytes()]
     process.communicate("\n", timeout=20)
     assert process.returncode == 0
+
+
+@pytest.mark.parametrize("call", ["image.sha256", "image.to_srgb()", "image.save(file)", "image._repr_png_()",
+                                  "ts.compare(image, image)", "ts._core.blob_digest(array)"])
+def test_ctrl_c_while_a_large_picture_is_worked_on_is_raised_though_work_goes_on(started, folder, call):
+    process = started(f"""
+import os, signal
+import numpy as np
+import tessera as ts
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+image = ts.Image.from_array(np.random.default_rng(1).random((4000, 2000, 3), "f4"))
+file = {str(folder / "out.png")!r}
+array = ts.Array.from_bytes(bytes(100_000_000), "f", [25_000_000])
+before = len(os.listdir("/proc/self/task"))
+print("begins", flush=True)
+signal.setitimer(signal.ITIMER_REAL, .005)
+try:
+    {call}
+    print("ended")
+except KeyboardInterrupt:
+    print("interrupted", len(os.listdir("/proc/self/task")) > before, os.path.exists(file))
+""")
+    out, err = process.communicate(timeout=60)
+    assert (out.split(), err) == (["interrupted", "True", "False"], "")
+
+
+@pytest.mark.parametrize("call", ["image.to_srgb()", "ts.Image.from_array(codes)",
+                                  "image.apply(lambda light: light)", "ts.Instances('ball', matrices)"])
+def test_other_threads_run_while_a_picture_is_worked_on(script, call):
+    assert script(f"""
+import sys, threading, time
+import numpy as np
+import tessera as ts
+codes = np.random.default_rng(1).integers(0, 256, (1000, 1000, 3), "u1")
+image = ts.Image.from_array(codes)
+matrices = np.tile(np.eye(4)[:3], (300_000, 1, 1))
+turns = 0
+def take_turns():
+    global turns
+    while True:
+        turns += 1
+        time.sleep(0)
+threading.Thread(target=take_turns, daemon=True).start()
+sys.setswitchinterval(1e-6)
+before = turns
+{call}
+print(turns - before > 30)
+""") == "True"
+
+
+@pytest.mark.parametrize("call", ["ts.load(file)", "ts.load_dict(described)"])
+def test_other_threads_run_between_parts_of_a_scene_that_are_made(script, tmp_path, call):
+    assert script(f"""
+import sys, threading, time
+import tessera as ts
+scene = ts.Scene(nodes=[ts.Sphere(radius=i + 1) for i in range(30_000)])
+file = {str(tmp_path / "much.tesserab")!r}
+scene.save(file)
+described = scene.to_dict()
+most = 0  # memory blocks that were taken between two turns of the other thread
+def look():
+    global most
+    before = sys.getallocatedblocks()
+    while True:
+        time.sleep(0)
+        now = sys.getallocatedblocks()
+        most = max(most, now - before)
+        before = now
+threading.Thread(target=look, daemon=True).start()
+sys.setswitchinterval(1e-6)
+made = {call}
+time.sleep(.1)
+print(len(made.nodes), most < 60_000 or most)
+""") == "30000 True"
 
 
 def test_no_handler_of_the_users_is_replaced():
@@ -149,7 +325,7 @@ def test_no_handler_of_the_users_is_replaced():
     assert before == {number: signal.getsignal(number) for number in before}
 
 
-def test_a_killed_python_leaves_no_worker(started):
+def test_a_killed_python_leaves_no_worker_and_its_folder_goes_at_the_next_start(folder, started):
     script = f"""
 import tessera as ts
 farm = ts.LocalFarm(2)
@@ -163,6 +339,18 @@ ts.render({KNOT!r}, {ENDLESS}, farm=farm)
     process.kill()
     process.wait()
     wait_until(lambda: not any(os.path.exists(f"/proc/{w}") for w in workers))
+    left = [path.name for path in folder.iterdir() if path.name.startswith("tessera-farm")]
+    assert left
+    next_one = started(f"""
+import os, sys, tessera as ts
+with ts.LocalFarm(1) as farm:
+    ts.render({KNOT!r}, size=(8, 8), farm=farm)
+    print("begins", flush=True)
+    sys.stdin.readline()
+    print(*os.listdir({str(folder)!r}))
+""")
+    out, err = next_one.communicate("\n", timeout=60)
+    assert err == "" and "tessera-farm" in out and not set(left) & set(out.split())
 
 
 def test_the_end_of_the_interpreter_closes_farms(folder, started):
@@ -199,73 +387,46 @@ print("ends")
 """) == "ends"
 
 
+def workers():
+    """The ids of worker processes that this one has started."""
+    found = []
+    for each in children(os.getpid()):
+        with contextlib.suppress(OSError):  # it may have ended meanwhile
+            if b"worker" in pathlib.Path(f"/proc/{each}/cmdline").read_bytes():
+                found.append(each)
+    return sorted(found)
+
+
+def test_a_render_that_fails_has_what_was_done_of_its_picture():
+    with ts.LocalFarm(1) as farm:
+        task = ts.render(KNOT, size=(2000, 1500), spp=64, tile=64, farm=farm, wait=False)
+        wait_until(lambda: task.progress.done > 0, 60)
+        while not task.done():
+            for worker in workers():
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(worker, signal.SIGSEGV)
+            time.sleep(.02)
+        with pytest.raises(ts.RenderError) as told:
+            task.result()
+    error = told.value
+    assert error.image.linear.shape == (1500, 2000, 3) and error.image.holes
+    assert error.stats["tiles"]["done"] > 0 and error.stats["workers"]["lost"] > 0
+
+
 def test_workers_do_not_die_with_the_thread_that_made_the_farm():
-    farms = []
-    maker = threading.Thread(target=lambda: farms.append(ts.LocalFarm(2)))
+    def make():
+        farms.append(ts.LocalFarm(2))
+        may_end.wait()
+
+    farms, may_end = [], threading.Event()
+    maker = threading.Thread(target=make)
     maker.start()
-    maker.join()
+    wait_until(lambda: farms and len(workers()) == 2)
     with farms[0] as farm:
         first = ts.render(KNOT, size=(40, 30), farm=farm)
-        time.sleep(.2)
-        workers = [c for c in children(os.getpid())
-                   if b"worker" in pathlib.Path(f"/proc/{c}/cmdline").read_bytes()]
+        before = workers()
+        may_end.set()
+        maker.join()
         second = ts.render(KNOT, size=(40, 30), farm=farm)
-        assert first == second and second.stats["workers"]["lost"] == 0 and len(workers) == 2
-
-
-def in_child(work):
-    """What `work` returns in a forked child, as text."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            text = str(work())
-        except BaseException as error:
-            text = f"{type(error).__name__}: {error}"
-        os.write(writing, text.encode())
-        os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as pipe:
-        text = pipe.read()
-    assert os.waitpid(child, 0)[1] == 0
-    return text
-
-
-def test_after_fork_farms_and_tasks_say_whose_they_are():
-    with ts.Threads(1) as farm:
-        task = ts.render(KNOT, size=(8, 8), farm=farm, wait=False)
-        expected = task.result()
-        told = f"made in process {os.getpid()}"
-        assert told in in_child(lambda: ts.render(KNOT, size=(8, 8), farm=farm))
-        assert told in in_child(task.result)
-        assert told in in_child(task.done)
-        # What has no thread works in the child, and so does a farm of its own.
-        assert in_child(lambda: expected.linear.sum()) == str(expected.linear.sum())
-        fresh = "ts.render(KNOT, size=(8, 8), workers=0).sha256"
-        assert in_child(lambda: eval(fresh)) == expected.sha256
-        assert in_child(farm.close) == "None"
-        assert ts.render(KNOT, size=(8, 8), farm=farm) == expected
-
-
-@pytest.mark.parametrize("how", ["farm.close()", "del farm", "pass"])
-def test_a_forked_child_leaves_the_farms_of_its_parent_alone(script, how):
-    assert script(f"""
-import os, signal, tessera as ts
-farm = ts.Farm("tcp://127.0.0.1:9")
-child = os.fork()
-if child == 0:
-    signal.alarm(20)
-    {how}
-    raise SystemExit
-print(os.waitpid(child, 0)[1])
-farm.close()
-""") == "0"
-
-
-def rendered(size):
-    return ts.render(KNOT, size=size, workers=0).sha256
-
-
-def test_spawned_processes_render():
-    with multiprocessing.get_context("spawn").Pool(2) as pool:
-        assert len(set(pool.map(rendered, [(8, 8)] * 2))) == 1
+        # Dead ones would have been replaced by others.
+        assert first == second and workers() == before and len(before) == 2

@@ -13,7 +13,7 @@ from tessera import rendering
 # What the command line has for files and terminals, which Python has otherwise.
 INSTEAD = {
     "output": "Image.save", "stats": "Image.stats", "quiet": "nothing is printed",
-    "progressive": "Task.snapshot", "frames": "Scene.frames", "connect": "farm", "key": "Farm(key=)",
+    "progressive": "Task.snapshot", "frames": "Scene.frames", "fps": "Frames(per_second=)", "connect": "farm", "key": "Farm(key=)",
     "server-key": "Farm(server_key=)", "trace": "the command line", "tev": "on_tile",
     "help": "help()",
 }
@@ -73,7 +73,7 @@ def test_arguments_of_another_type_are_told(call, message):
 def test_options_of_numbers_are_those_of_pictures():
     keywords = set(inspect.signature(ts.Image.save).parameters) - {"self", "paths", "unknown"}
     assert keywords == {name.replace("-", "_") for name in OUTPUT}
-    assert set(inspect.signature(ts.Image.to_srgb).parameters) - {"self", "unknown"} < keywords
+    assert set(inspect.signature(ts.Image.to_srgb).parameters) - {"self", "unknown"} == keywords
 
 
 def test_every_keyword_is_documented():
@@ -87,7 +87,7 @@ SCENE = ts.Scene(nodes=[ts.Sphere()], frames=(0, 3))
 
 @pytest.mark.parametrize("given", [0, 1, 0., "no", ""])
 def test_flags_are_true_or_false(given):
-    with pytest.raises(ts.UsageError, match="^denoise: .*; expected true or false$"):
+    with pytest.raises(ts.UsageError, match="^denoise: .*; expected True or False$"):
         SCENE.render(denoise=given, **FRAME)
 
 
@@ -99,7 +99,7 @@ def test_flags_of_numpy():
 
 @pytest.mark.parametrize("option", [{"spp": True}, {"spp": False}, {"size": True}, {"camera": False}])
 def test_others_are_no_flags(option):
-    with pytest.raises(ts.UsageError, match=f"^{next(iter(option))}: (true|false); expected"):
+    with pytest.raises(ts.UsageError, match=f"^{next(iter(option))}: (True|False); expected"):
         SCENE.render(**{**FRAME, **option})
 
 
@@ -214,8 +214,28 @@ def test_what_cannot_be_assigned_to(name, told):
 
 def test_load_has_the_options_of_reading(tessera):
     of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|place)\b", tessera("help", "render")))
-    keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "unknown"}
+    keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "strict", "unknown"}
     assert keywords == {name.replace("-", "_") for name in of_files}
     for name in keywords - {"place"}:
         with pytest.raises(ts.Error, match=f"^{name}: "):
             ts.load(__file__, **{name: "?"})
+
+
+def test_depth_and_shadows_are_given_or_of_the_scene():
+    def scene(**settings):
+        mirror = ts.Classic(reflectivity=1, diffuse=0)
+        return ts.Scene(nodes=[ts.Sphere((-1.1, 0, 0), 1, material=mirror), ts.Sphere((1.1, 0, 0), 1, material=mirror),
+                               ts.Box((-4, -1.2, -4), (4, -1, 4)), ts.PointLight((0, 5, 5), intensity=20),
+                               ts.PointLight((3, 5, 5), intensity=20, shadows=True)],
+                        cameras=[ts.Camera(world_from_camera=ts.look_at((0, 1, 6), (0, 0, 0)))], background=.5, **settings)
+
+    pictures = {scene().render(**FRAME).sha256}
+    for settings in ({"max_depth": 0}, {"max_depth": 1}, {"shadows": "off"}, {"shadows": "by-light"}):
+        given = scene().render(**settings, **FRAME)
+        pictures.add(given.sha256)
+        assert given == scene(**settings).render(**FRAME)
+    assert len(pictures) == 5
+    with pytest.raises(ts.UsageError, match="max_depth: -1; expected"):
+        scene().render(max_depth=-1, **FRAME)
+    with pytest.raises(ts.UsageError, match="shadows: 'of'; expected one of on, by-light, off"):
+        scene().render(shadows="of", **FRAME)

@@ -15,15 +15,20 @@ SETTLED = 50
 MOST_GROWTH = 5 << 20
 
 
-def resident():
-    """Bytes of this process in memory."""
-    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+def resident(process="self"):
+    """Bytes of a process in memory."""
+    return int(pathlib.Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def children():
+    """The processes that were started."""
+    tasks = pathlib.Path("/proc/self/task").iterdir()
+    return sorted(child for task in tasks for child in (task / "children").read_text().split())
 
 
 def held():
     """What a process may forget to give back: descriptors, threads, children, temporary files."""
-    children = pathlib.Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
-    return (len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task")), children,
+    return (len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task")), children(),
             os.listdir(os.environ["TMPDIR"]))
 
 
@@ -69,6 +74,23 @@ def test_memory_and_descriptors_are_given_back(work):
                 settled = resident()
     gc.collect()
     assert resident() - settled <= MOST_GROWTH
+    assert held() == before
+
+
+@pytest.mark.parametrize("work", [render, cancel])
+def test_memory_is_given_back_by_workers_too(work):
+    before = held()
+    with ts.LocalFarm(1) as farm:
+        for i in range(REPEATS):
+            work(farm)
+            if i == SETTLED:
+                gc.collect()
+                started = children()
+                settled = [resident(process) for process in ("self", *started)]
+        gc.collect()
+        assert started and children() == started
+        for process, then in zip(("self", *started), settled):
+            assert resident(process) - then <= MOST_GROWTH
     assert held() == before
 
 

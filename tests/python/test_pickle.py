@@ -27,11 +27,28 @@ def test_a_scene_there_and_back(module, protocol):
     assert again == scene and again.digest == scene.digest and repr(again) == repr(scene)
 
 
+def test_what_is_not_set_takes_no_bytes():
+    text = pickle.dumps(ts.Sphere(radius=2))
+    assert b"radius" in text and b"center" not in text
+
+
 def test_arrays_go_out_of_band():
     buffers = []
     data = pickle.dumps(made(), protocol=5, buffer_callback=buffers.append)
     assert sum(buffer.raw().nbytes for buffer in buffers) == 9 * 4 + 3 * 4 + 12 * 8
     assert pickle.loads(data, buffers=buffers) == made()
+
+
+def test_arrays_of_tracers_and_hits_go_out_of_band():
+    points = np.random.default_rng(3).uniform(0, 1, (3000, 3)).astype("f4")
+    tracer = ts.Scene(nodes=[ts.Mesh(points, np.arange(3000).reshape(-1, 3))]).tracer()
+    hits = tracer.intersect(np.zeros((1000, 3)), (1, 1, 1))
+    for made, most in ((tracer, 1000), (hits, 4000)):
+        buffers = []
+        data = pickle.dumps(made, protocol=5, buffer_callback=buffers.append)
+        assert len(data) < most and buffers
+        again = pickle.loads(data, buffers=buffers)
+        assert again.intersect((0, 0, 0), (1, 1, 1)).t == hits.t[0] if made is tracer else (again.t == hits.t).all()
 
 
 def test_another_process_sees_the_same():

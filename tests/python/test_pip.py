@@ -75,6 +75,8 @@ def test_it_has_every_file_of_the_package_and_is_no_link_to_them(installed):
 def test_it_has_a_program_of_its_own_with_codec_and_modules(installed):
     shown = installed.python("-c", "import tessera; print(tessera.program())")
     assert shown.stdout.strip() == str(installed.package / "_bin/tessera"), shown.stderr
+    told = run(installed.folder / "venv/bin/tessera", "--version", folder=installed.folder)
+    assert told.stdout.startswith("tessera "), told.stderr
     scene = ROOT / "scenes/samples/knot.tessera"
     # PNG by the codec alone, EXR by the module that loads OpenImageIO, trees by those of Embree and NLopt.
     for picture, accelerator in (("knot.png", "bvh"), ("knot.exr", "embree"), ("other.png", "octree")):

@@ -92,7 +92,7 @@ def test_all_hits_are_those_of_every_triangle():
     random = np.random.default_rng(2)
     points, rows = soup(random, 1000)
     rows = np.concatenate([rows, rows[::50], [[3, 3, 4]]])  # some twice, and one without an area
-    origins, directions = rays_about(random, 1000)
+    origins, directions = rays_about(random, 10_000)
     hits = tracer_from_mesh(points, rows).intersect_all(origins, directions)
     solid = points.astype(float)[rows]
     a, e1, e2 = solid[:, 0], solid[:, 1] - solid[:, 0], solid[:, 2] - solid[:, 0]

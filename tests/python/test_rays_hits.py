@@ -45,7 +45,7 @@ def test_parts_are_those_of_arrays(tracer):
     assert hits[hits.hit].t.tolist() == hits.t[hits.hit].tolist()
     with pytest.raises(IndexError):
         hits[2]
-    with pytest.raises(ts.UsageError, match="instance: not among the fields"):
+    with pytest.raises(ts.UsageError, match="^fields: t.*; expected all"):
         hits[0].normal
 
 
@@ -57,6 +57,10 @@ def test_the_truth_of_hits_is_that_of_arrays(tracer):
     assert hits[0, 0] and not hits[0, 2] and len(hits) == 2
     with pytest.raises(TypeError, match="no length"):
         len(hits[0, 0])
+
+
+def test_hits_without_what_tells_a_hit_are_shown(tracer):
+    assert repr(tracer.intersect((0, 0, 5), (0, 0, -1), fields="uv")) == "<Hits ()>"
 
 
 @pytest.mark.parametrize("make", [np.array, lambda a: np.array(a)[...], lambda a: np.asfortranarray(a),
@@ -87,7 +91,10 @@ def test_results_are_read_only(tracer):
     results += [every.t, every.offsets, every.counts, every.ray, every.point]
     results += [tracer.occluded(rays(), (0, 0, -1)), tracer.crossings(rays(), (0, 0, -1)), tracer.bounds,
                 tracer.contains(rays()), tracer.spawn(hits, (0, 0, 1)), *tracer.camera_rays(size=(2, 2))]
-    assert not any(array.flags.writeable for array in results)
+    for array in results:
+        assert not array.flags.writeable
+        with pytest.raises(ValueError, match="cannot set WRITEABLE"):
+            array.flags.writeable = True
 
 
 def test_those_for_users_of_trimesh_can_be_written_to():
@@ -108,6 +115,7 @@ def test_pickled_hits_are_without_the_scene(key):
     again = pickle.loads(data)
     for name in ATTRIBUTES:
         assert np.array_equal(getattr(again, name), getattr(hits, name), equal_nan=True), name
+        assert not getattr(again, name).flags.writeable
     assert again.hit.any() and again.name(np.unravel_index(again.hit.argmax(), again.shape)) == "cloud"
     assert np.array_equal(tracer.spawn(again, (0, 0, 1)), tracer.spawn(hits, (0, 0, 1)), equal_nan=True)
     assert np.array_equal(again[:1].normal, hits[:1].normal, equal_nan=True)
@@ -118,8 +126,31 @@ def test_other_hits_pickle_too(tracer):
     again = pickle.loads(pickle.dumps(every))
     assert np.array_equal(again.offsets, every.offsets) and np.array_equal(again.normal, every.normal)
     assert again.ray_shape == (2, 3) and len(again) == len(every) > 0
+    assert not again.offsets.flags.writeable
     nearest = pickle.loads(pickle.dumps(tracer.intersect(rays(), (0, 0, -1), fields="t")))
     assert nearest.t.shape == (2, 3)
-    with pytest.raises(ts.UsageError, match="instance: not among the fields"):
+    with pytest.raises(ts.UsageError, match="^fields: t.*; expected all"):
         nearest.point
+    assert "rays" in tracer.intersect(rays(), (0, 0, -1), fields="uv")._repr_html_()
     assert copy.copy(every) is copy.deepcopy(every) is every
+
+
+def test_a_line_along_a_cylinder_that_hardly_comes_nearer_misses_it():
+    tracer = ts.Scene(nodes=[ts.Cylinder()]).tracer()
+    for across in (0, 1e-300, 1e-200, 1e-160, 1e-150, 1e-100):
+        assert not tracer.intersect((-1, 0, 2), (across, 1, 0)).hit
+        assert tracer.intersect((-.5, -3, .5), (across, 1, 0)).t == 2
+    # It does come there in the end.
+    assert ts.Cylinder(1, 1e100).intersect((-3, 0, 0), (1e-200, 1e-205, 0)).t == pytest.approx(2e200)
+
+
+@pytest.mark.parametrize("shape", [ts.Plane(), ts.Sphere(), ts.Box(), ts.Cylinder(), ts.Disc(normal=(0, 1, 0)),
+                                   ts.Mesh([(-9, 0, -9), (9, 0, -9), (0, 0, 9)], [(0, 1, 2)])])
+def test_what_is_farther_than_any_number_is_not_hit(shape):
+    tracer = ts.Scene(nodes=[shape]).tracer()
+    ray = (0, 1e10, 0), (0, -1e-300, 0)
+    for fields in (None, "t", "instance"):
+        assert not tracer.intersect(*ray, fields=fields).hit
+    assert not tracer.occluded(*ray) and len(tracer.intersect_all(*ray)) == 0
+    near = tracer.intersect((0, 10, 0), (0, -1e-300, 0))
+    assert near.hit and np.isfinite(near.t)

@@ -2,6 +2,7 @@
 import concurrent.futures
 import itertools
 import pickle
+import warnings
 
 import cloudpickle
 import numpy as np
@@ -34,6 +35,58 @@ def test_lines_leave_a_closed_mesh_as_often_as_they_enter(closed):
     for direction in itertools.product((-1, 0, 1), repeat=3):
         if any(direction):
             assert not tracer.crossings(targets - 50 * np.array(direction), direction).any()
+
+
+def voxels(filled):
+    """The faces of cells of a grid that have an empty neighbour, with shared vertices; edges may have
+    four of them."""
+    points, rows = [], []
+    for cell in np.argwhere(filled):
+        for axis, side in itertools.product(range(3), (0, 1)):
+            beside = cell.copy()
+            beside[axis] += 2 * side - 1
+            if (beside >= 0).all() and (beside < filled.shape).all() and filled[tuple(beside)]:
+                continue
+            corners = []
+            for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                corner = cell.copy()
+                corner[axis] += side
+                corner[(axis + 1) % 3] += u
+                corner[(axis + 2) % 3] += v
+                corners.append(corner)
+            first = len(points)
+            points += corners if side else corners[::-1]
+            rows += [(first, first + 1, first + 2), (first, first + 2, first + 3)]
+    shared, numbers = np.unique(points, axis=0, return_inverse=True)
+    return shared.astype("f4"), numbers.reshape(-1)[np.array(rows)]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_models_of_voxels_are_full_where_their_cells_are(seed):
+    filled = np.random.default_rng(seed).random((6, 6, 6)) < .5
+    tracer = tracer_from_mesh(*voxels(filled))
+    centers = np.argwhere(np.ones_like(filled)) + .5
+    assert (tracer.contains(centers) == filled.reshape(-1)).all()
+    corners = np.stack(np.meshgrid(*[np.arange(7.0)] * 3), -1).reshape(-1, 3)
+    assert (tracer.contains(corners) == tracer.contains(corners)).all()
+    # Through vertices and along edges, a line leaves as often as it enters.
+    for direction in itertools.product((-1, 0, 1), repeat=3):
+        if any(direction):
+            assert not tracer.crossings(corners - 20 * np.array(direction), direction).any()
+
+
+def test_instances_in_instances_and_solids_are_met_where_they_are():
+    inner = ts.Node(shape=ts.Sphere(radius=.5))
+    for level in range(8):
+        inner = ts.Node(instance_of=ts.Object(name=f"level {level}", nodes=[inner]),
+                        transform=ts.translate(1, 0, 0) @ ts.scale(.5))
+    # x = 1 + 1/2 + ... + 1/128 and a radius of 1/512.
+    center, radius = 2 - 2 ** -7, 2 ** -9
+    hollow = ts.Box((2, -1, -1), (4, 1, 1)) - ts.Sphere((3, 0, 1), .5)
+    tracer = ts.Scene(nodes=[inner, hollow]).tracer()
+    hits = tracer.intersect([(center, 0, 5), (center + .9 * radius, 0, 5), (3, 0, 5), (3.9, .9, 5)], (0, 0, -1))
+    expected = [5 - radius, 5 - radius * np.sqrt(1 - .81), 4.5, 4]
+    assert np.abs(hits.t - expected).max() < 1e-14
 
 
 def test_points_on_edges_of_the_grid_are_inside_or_not(closed):
@@ -108,6 +161,33 @@ def test_all_shapes_strides_and_types_are_taken():
                           tracer.intersect([0.0, 0, -9], [0, 0, 1.0]).t)
 
 
+@pytest.mark.parametrize("kind", ["f4", "f8", ">f4", ">f8", "f2", "i2", ">i8"])
+def test_arrays_at_odd_addresses_are_taken_by_every_query(closed, kind):
+    tracer = closed[0]
+    origins, directions = np.full((7, 3), 10, kind), np.arange(21).reshape(7, 3).astype(kind) - 9
+    ends = np.arange(7).astype(kind)
+
+    def packed(array):
+        rows = np.zeros(len(array), [("tag", "u1"), ("numbers", array.dtype, array.shape[1:])])
+        rows["numbers"] = array
+        return rows["numbers"]
+
+    def shifted(array):
+        return np.frombuffer(b"x" + array.tobytes(), "u1")[1:].view(array.dtype).reshape(array.shape)
+
+    def asked(o, d, t):
+        hits = tracer.intersect(o, d, t_min=t)
+        every = tracer.intersect_all(o, d, t_max=t)
+        return [hits.t, hits.point, tracer.occluded(o, d, t_min=t), every.t, every.normal, tracer.crossings(o, d),
+                tracer.contains(o), tracer.spawn(hits, d)]
+
+    expected = asked(origins, directions, ends)
+    for moved in (packed, shifted):
+        assert kind == "f2" or not moved(directions).flags.aligned
+        for got, right in zip(asked(*map(moved, (origins, directions, ends))), expected):
+            assert np.array_equal(got, right, equal_nan=got.dtype.kind == "f")
+
+
 def test_nothing_is_a_legal_number_of_rays_and_triangles():
     tracer = tracer_from_mesh(np.empty((0, 3)), np.empty((0, 3), int))
     assert not tracer.intersect(np.zeros((4, 3)), [0, 0, 1]).hit.any()
@@ -131,6 +211,27 @@ def test_what_is_no_ray_hits_nothing(closed):
     assert np.isnan(tracer.intersect([1, 1, 1], [0, 0, 0]).point).all()
 
 
+@pytest.mark.parametrize("shape", ["sphere { }", "cylinder { }", "cone { }", "torus { }", "box { }"])
+@pytest.mark.parametrize("exponent", [-1020, -600, -400, -201, 201, 400, 600, 1000, 1010])
+def test_directions_of_any_length_meet_the_same(shape, exponent):
+    tracer = tracer_from_scene("nodes { shape { %s } }" % shape)
+    random = np.random.default_rng(7)
+    # Few bits, so that those of the shortest directions are numbers too.
+    d = np.round(random.normal(size=(200, 3)) * 1024) / 1024
+    o = -3 * d + np.round(random.uniform(-1, 1, d.shape) * 512) / 512
+    long = np.ldexp(d, exponent)
+    near, far = tracer.intersect(o, d), tracer.intersect(o, long)
+    assert near.hit.sum() > 20
+    for field in ("hit", "instance", "primitive", "uv", "point", "normal"):
+        np.testing.assert_array_equal(getattr(near, field), getattr(far, field), field)
+    assert (far.t == np.ldexp(near.t, -exponent)).all()
+    assert (tracer.occluded(o, d) == tracer.occluded(o, long)).all()
+    assert (tracer.crossings(o, d) == tracer.crossings(o, long)).all()
+    every, all_of_long = tracer.intersect_all(o, d), tracer.intersect_all(o, long)
+    assert (every.offsets == all_of_long.offsets).all()
+    assert (all_of_long.t == np.ldexp(every.t, -exponent)).all()
+
+
 def test_spawned_rays_do_not_meet_their_surface():
     tracer = tracer_from_scene("""
         nodes { shape { sphere { center { x: 1e3 } radius: .1 } } }
@@ -146,6 +247,34 @@ def test_spawned_rays_do_not_meet_their_surface():
         origins = tracer.spawn(hits, np.nan_to_num(away))
         assert np.isnan(origins[~kept]).all()
         assert not tracer.intersect(origins[kept], away[kept]).hit.any()
+
+
+@pytest.mark.parametrize("shape", [
+    ts.Rectangle.from_corners((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), ts.Box((-1, -1, -1), (1, 1, 1)),
+    ts.Plane.through((0, 0, 0), (1, 0, 0), (0, 1, 0)), ts.Disc((0, 0, 0), (0, 0, 1), radius=1.4),
+    ts.Triangle((-3, -2, 0), (3, -2, 0), (0, 4, 0))], ids=lambda shape: type(shape).__name__)
+def test_rays_spawned_on_planar_shapes_of_any_size_and_place_do_not_meet_them(shape):
+    # As N10 of the numerics, 200,000 bounces a shape.
+    random = np.random.default_rng(5)
+    bounces = 0
+    for scale, exponent in itertools.product(range(-4, 5), (.5, 2, 4, 6, 8)):
+        place = 10 ** random.uniform(-exponent, exponent, 3) * random.choice((-1, 1), 3)
+        moved = ts.translate(*place) @ ts.rotate(random.normal(size=3), 360 * random.random()) @ ts.scale(10.0 ** scale)
+        tracer = ts.Scene(nodes=[ts.Node(shape=shape, transform=moved)]).tracer(threads=1)
+        local = random.uniform(-1, 1, (9000, 3)) * (.9, .9, 1)
+        if not isinstance(shape, ts.Box):
+            local[:, 2] = 0
+        linear = moved.array[:, :3]
+        targets, directions = local @ linear.T + place, random.normal(size=local.shape) @ linear.T
+        hits = tracer.intersect(targets - 3 * directions, directions)
+        away = random.normal(size=local.shape)
+        away *= np.sign(np.sum(away * hits.normal, 1))[:, None]
+        kept = hits.hit
+        origins = tracer.spawn(hits, np.nan_to_num(away))[kept]
+        assert not tracer.intersect(origins, away[kept]).hit.any()
+        assert not tracer.occluded(origins, away[kept]).any()
+        bounces += kept.sum()
+    assert bounces > 200_000
 
 
 WRONG = [
@@ -169,9 +298,10 @@ def test_wrong_arguments_are_told(closed, wrong, told):
     assert told in str(raised.value) and isinstance(raised.value, ts.UsageError)
 
 
-@pytest.mark.parametrize("threads", [-1, 0, 10**9, 1.5, True, "2"])
-def test_a_wrong_number_of_threads_is_told_when_a_tracer_is_made(threads):
-    with pytest.raises(ts.UsageError, match="threads: .*expected a whole number from 1 to 1024"):
+@pytest.mark.parametrize("threads, error", [(-1, ts.UsageError), (0, ts.UsageError), (10**9, ts.UsageError),
+                                            (1.5, TypeError), (True, TypeError), ("2", TypeError)])
+def test_a_wrong_number_of_threads_is_told_when_a_tracer_is_made(threads, error):
+    with pytest.raises(error, match=f"threads: {threads!r}; expected a whole number"):
         ts.Scene(nodes=[ts.Box()]).tracer(threads=threads)
 
 
@@ -194,7 +324,7 @@ def test_wrong_meshes_scenes_and_shapes_are_told(closed):
         tracer_from_mesh(np.zeros((3, 3)), [[0, 1, -1]])
     with pytest.raises(ts.SceneError):
         tracer_from_scene("nodes { shape { sphere { radius: -1 } } }")
-    with pytest.raises(ValueError):
+    with pytest.raises(ts.UsageError, match="accel: 'bhv'; expected one of .* did you mean 'bvh'"):
         tracer_from_scene("", accel="bhv")
     with pytest.raises(ts.UsageError, match="expected a name or a number below 1"):
         closed[0].contains([0, 0, 0], 1)
@@ -203,7 +333,25 @@ def test_wrong_meshes_scenes_and_shapes_are_told(closed):
         open_mesh.contains([0, 0, 0], 0)
     hits = closed[0].intersect([1, 1, 1], [0, 0, 1], fields="t")
     with pytest.raises(ts.UsageError, match="instance: not among the fields"):
+        hits.instance
+    with pytest.raises(ts.UsageError, match="^fields: t; expected all, as without fields=, for what lies at the hits"):
         hits.point
+
+
+@pytest.mark.parametrize("wrong, told", [
+    ({"accel": "bhv"}, "accel: 'bhv'; expected one of bvh, .* did you mean 'bvh'"), ({"accel": 3}, "accel: 3; expec"),
+    ({"time": float("nan")}, "time: nan; expected a finite number"),
+    ({"camera": "onne"}, "camera: 'onne' is not in the scene, which has 1 camera: one; did you mean 'one'")])
+def test_what_a_tracer_is_made_with_is_refused_as_a_render_refuses_it(wrong, told):
+    scene = ts.Scene(nodes=[ts.Sphere()], cameras=[ts.Camera(name="one")])
+    for use in (scene.tracer, lambda **wrong: scene.render(size=(4, 4), workers=0, **wrong)):
+        with pytest.raises(ts.UsageError, match=f"^{told}"):
+            use(**wrong)
+    if "camera" in wrong:
+        with pytest.raises(ts.UsageError, match=f"^{told}"):
+            scene.tracer().camera_rays(**wrong)
+    with pytest.raises(TypeError, match="^camera: 1j; expected text"):
+        scene.tracer().camera_rays(camera=1j)
 
 
 def test_insides_of_one_name_or_number():
@@ -311,3 +459,16 @@ def test_tracers_go_on_in_a_forked_child(script):
             "if pid == 0: os._exit(0 if t.intersect(o, -o).hit.all() else 1)\n"
             "print(os.waitpid(pid, 0)[1])")
     assert script(code) == "0"
+
+
+def test_an_open_mesh_is_told_by_contains():
+    positions, triangles = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3)]
+    tracer = ts.Scene(nodes=[ts.Mesh(positions, triangles, name="tent")]).tracer()
+    with pytest.warns(ts.SceneWarning, match="contains: the mesh 'tent': not closed"):
+        assert not tracer.contains((.1, .1, .1))
+    with pytest.raises(ts.UsageError, match="which is open"):
+        tracer.contains((.1, .1, .1), "tent")
+    closed = ts.Scene(nodes=[ts.Mesh(positions, [*triangles, (0, 3, 2)])]).tracer()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert closed.contains((.1, .1, .1))

@@ -8,7 +8,8 @@ import tessera as ts
 
 SAMPLES = pathlib.Path(__file__).parents[2] / "scenes" / "samples"
 SCENES = sorted(p.name for p in SAMPLES.iterdir()
-                if p.suffix in (".tessera", ".obj", ".x3d", ".x3dv", ".wrl", ".gltf", ".ply", ".crt"))
+                if p.suffix in (".tessera", ".obj", ".x3d", ".x3dv", ".wrl", ".gltf", ".glb", ".ply",
+                              ".stl", ".crt"))
 SIZE = (48, 36)
 
 

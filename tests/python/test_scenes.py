@@ -1,8 +1,10 @@
 """Scenes as values: samples there and back, names and objects, many instances."""
+import copy
 import json
 import os
 import pathlib
 import pickle
+import signal
 import subprocess
 import warnings
 
@@ -39,11 +41,40 @@ def test_a_sample_there_and_back(path, tmp_path):
     assert (tmp_path / "ours.json").read_bytes() == (tmp_path / "theirs.json").read_bytes()
 
 
+def test_what_was_loaded_is_copied_as_what_is_made_is():
+    scene = ts.load_dict({"nodes": [{"shape": {"sphere": {"radius": 2}}, "name": "ball"}]})
+    node, shape = scene.nodes[0], scene.nodes[0].shape
+    assert copy.copy(scene) == copy.deepcopy(scene) == scene
+    assert node.copy().name == "ball" and shape.copy((1, 0, 0)).radius == 2
+    assert shape.flip().flip_normals
+    assert ts.Scene().add(shape, material="red").shape.materials == ["red"]
+    assert len(scene.instances(shape, [ts.scale(2)], material="red")) == 1
+
+
 def test_an_object_stands_for_its_name():
     red = ts.Classic(diffuse="red", name="red")
     by_object = ts.Scene(nodes=[ts.Node(shape=ts.Sphere(material=red))])
     by_name = ts.Scene(materials=[red], nodes=[ts.Node(shape=ts.Sphere(material="red"))])
     assert by_object == by_name and by_object.digest == by_name.digest
+
+
+def nested(levels):
+    node = ts.Node()
+    for _ in range(levels):
+        node = ts.Node(children=[node])
+    return node
+
+
+def test_values_without_an_end_are_not_compared():
+    assert nested(50) == nested(50) != nested(51)
+    ring, other, inner = ts.Object(), ts.Object(), nested(0)
+    for each in (ring, other):
+        each.nodes = [ts.Node(instance_of=each)]
+    inner.children = [inner]
+    for a, b in ((nested(70), nested(70)), (nested(3000), nested(3000)), (inner, nested(1)), (ring, other)):
+        with pytest.raises(ts.SceneError, match="inside itself, or nested too deep|refers to itself"):
+            a == b
+    assert inner == inner
 
 
 def test_equal_materials_without_names_are_one_and_stable():
@@ -84,6 +115,15 @@ def test_instances_are_nodes():
     for i in range(3):
         few.add(cube, transform=ts.matrix(matrices[i]))
     assert many == few and many.info().counts == few.info().counts
+
+
+def test_a_scene_has_instances_with_what_it_defines():
+    part = ts.Scene(nodes=[ts.Sphere(materials=["red"])], materials=[ts.Unlit(color="red", name="red")])
+    scene = ts.Scene()
+    scene.instances(part, [ts.translate(x, 0, 0) for x in (0, 3)])
+    scene.check()
+    hits = scene.tracer().intersect([(0, 0, 5), (1.5, 0, 5), (3, 0, 5)], (0, 0, -1))
+    assert hits.hit.tolist() == [True, False, True]
 
 
 def test_transforms_of_instances_stay_checked():
@@ -229,6 +269,9 @@ def test_what_a_scene_includes_is_read_from_the_current_folder_or_the_assets(tmp
 
     monkeypatch.chdir(tmp_path)
     assert scene.render(workers=0, size=(20, 20), assets="parts") == expected
+    assert scene.tracer(assets="parts").instances == ["ball"] and scene.check(assets="parts") is None
+    assert scene.info(assets="parts").bounds == pytest.approx(np.array([[0, -1, -1], [2, 1, 1]]))
+    assert [picture for _, picture in scene.frames(0, 0, workers=0, size=(20, 20), assets="parts")] == [expected]
     for use in (lambda: scene.render(workers=0), scene.tracer, scene.check):
         with pytest.raises(ts.SceneError, match="ball.tessera"):
             use()
@@ -314,6 +357,15 @@ def test_messages_name_values_with_their_article_and_whole_characters():
             scene.digest
 
 
+@pytest.mark.parametrize("use", [
+    lambda scene: scene.check(), lambda scene: scene.info(),
+    lambda scene: scene.tracer(), lambda scene: pickle.loads(pickle.dumps(scene.tracer())),
+    lambda scene: scene.render(size=(4, 4), workers=0)])
+def test_what_is_left_out_of_a_scene_is_logged_at_once(caplog, use):
+    use(ts.Scene(nodes=[ts.Sphere(), ts.Sphere(transform=ts.scale(0))], background=1))
+    assert "1 node scaled to nothing or out of range: left out" in caplog.text
+
+
 def test_find_looks_at_each_part_once():
     leaf = ts.Sphere(name="leaf")
     node = ts.Node(shape=leaf)
@@ -321,3 +373,101 @@ def test_find_looks_at_each_part_once():
         node = ts.Node(children=[node, node])
     scene = ts.Scene(nodes=[node])
     assert scene.find("leaf") is leaf
+
+
+def test_info_has_the_bounds_that_the_command_line_tells(tessera, tmp_path):
+    scene = ts.Scene(nodes=[ts.Sphere(center=(1, 2, 3), radius=.5), ts.Box(min=(-1, 0, 0), max=(0, 1, 1))])
+    scene.save(tmp_path / "two.tessera")
+    told = json.loads(tessera("info", tmp_path / "two.tessera", "--json"))["bounds"]
+    bounds = scene.info().bounds
+    assert bounds == (tuple(told["min"]), tuple(told["max"]))
+    assert np.allclose(bounds, [(-1, 0, 0), (1.5, 2.5, 3.5)]) and "(-1, 0, 0) to (1.5" in scene._repr_html_()
+    assert ts.Scene().info().bounds is None
+    wrong = ts.Scene(nodes=[ts.Sphere(radius=1, material="gold")])
+    assert wrong.info().undefined and ts.Scene(nodes=[ts.Sphere(radius=-1)]).info().bounds is None
+
+
+def test_numbers_that_make_or_take_light_are_told_by_both_front_ends(tessera, tmp_path):
+    scene = ts.Scene(width=8, height=8, spp=1)
+    scene.add(ts.Sphere(material=ts.Classic(name="chalk", diffuse=(.5, 1.5, 0))))
+    scene.add(ts.Box(min=(2, 0, 0), max=(3, 1, 1), material=ts.Physical(name="snow", base_color=2)))
+    scene.add(ts.PointLight(position=(0, 5, 5), name="lamp"),
+              ts.PointLight(position=(0, 5, 5), name="hole", intensity=-.5))
+    with pytest.warns(ts.SceneWarning) as caught:
+        scene.render(workers=0)
+    told = [str(warning.message) for warning in caught]
+    assert told == [
+        "material 'chalk': diffuse is (0.5, 1.5, 0); expected at most 1, as more light would come back than "
+        "came; 1 more like it",
+        "light 'hole': intensity is -0.5; expected 0 or more, as it takes light away"]
+    scene.save(tmp_path / "odd.tessera")
+    assert json.loads(tessera("info", tmp_path / "odd.tessera", "--json"))["warnings"] == told
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ts.Scene(width=8, height=8, background=5, nodes=[
+            ts.Sphere(material=ts.Classic(diffuse=1, emission=40))]).render(workers=0)
+
+
+def test_what_is_given_to_a_scene_is_not_changed():
+    settings = ts.Settings(width=10, output=ts.Output(gamma=2))
+    scene = ts.Scene(settings=settings, width=99, gamma=1.5, frames=(1, 2))
+    assert (scene.width, scene.gamma, scene.settings.frames.last) == (99, 1.5, 2)
+    assert settings == ts.Settings(width=10, output=ts.Output(gamma=2))
+    assert ts.Scene(settings=settings).settings is settings
+    other = ts.Scene(materials=[ts.Classic(name="red")])
+    empty = ts.Scene()
+    with pytest.raises(TypeError, match="a Camera; expected a Shape"):
+        empty.add(other, ts.Camera())
+    assert empty == ts.Scene()
+
+
+@pytest.mark.parametrize("wrong", [5, (1, 2, 3)])
+def test_frames_of_a_scene_are_two_numbers(wrong):
+    with pytest.raises(TypeError, match="frames: .*; expected Frames or \\(first, last\\)"):
+        ts.Scene(frames=wrong)
+
+
+def test_a_camera_is_given_once():
+    with pytest.raises(TypeError, match="camera beside cameras; expected one of them"):
+        ts.Scene(cameras=[ts.Camera()], camera=ts.Camera())
+
+
+def test_find_sees_textures_and_headlights():
+    checks, light = ts.CheckerTexture(name="checks"), ts.PointLight(name="near")
+    scene = ts.Scene(camera=ts.Camera(headlight=light), nodes=[ts.Sphere(material=ts.Classic(diffuse=checks))])
+    assert scene.find("checks") is checks and scene.find("near") is light
+
+
+def test_a_thing_that_only_makes_arrays_is_a_texture():
+    class Made:
+        def __array__(self, dtype=None):
+            return np.zeros((2, 2, 3), np.uint8)
+
+    materials = [ts.Classic(diffuse=picture) for picture in (Made(), np.zeros((2, 2, 3), np.uint8))]
+    first, second = (ts.Scene(nodes=[ts.Sphere(material=material)]) for material in materials)
+    assert first == second
+
+
+def test_a_node_is_hit_whose_material_has_the_name_that_another_uses():
+    node = ts.Node(children=[ts.Sphere(material=ts.Classic(name="m", diffuse="red")),
+                             ts.Sphere((5, 0, 0), material="m")])
+    assert node.intersect((0, 0, -3), (0, 0, 1)).t == 2
+
+
+def test_a_list_of_nodes_that_shrinks_while_it_is_read():
+    scene, many = ts.Scene(), [ts.Sphere() for _ in range(200_000)]
+    before = signal.signal(signal.SIGALRM, lambda *_: scene.nodes.clear())
+    try:
+        for i in range(20):
+            scene.nodes.extend(many)
+            signal.setitimer(signal.ITIMER_REAL, .0005 + .0002 * i)
+            assert isinstance(scene.digest, str)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_settings_can_be_deleted():
+    scene = ts.Scene(width=10, gamma=2)
+    del scene.width, scene.gamma
+    assert scene == ts.Scene()

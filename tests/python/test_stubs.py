@@ -188,7 +188,7 @@ def words_of_an_error(call, **keyword):
 def test_words_are_those_of_the_renderer():
     scene, image = ts.Scene(nodes=[ts.Sphere()]), ts.Image.from_array([[.5]])
     for keyword, words in {"integrator": _types.Integrator, "accel": _types.Accelerator, "aovs": _types.Aov,
-                           "pattern": _types.Pattern, "x3d_color": _types.X3dColor,
+                           "pattern": _types.Pattern, "shadows": _types.Shadows, "x3d_color": _types.X3dColor,
                            "x3d_shadows": _types.X3dShadows, "x3d_texture": _types.X3dTexture}.items():
         assert words_of_an_error(scene.render, **{keyword: "?"}) == set(typing.get_args(words))
     for keyword, words in {"tone_map": _types.ToneMap, "transfer": _types.Transfer}.items():
@@ -202,8 +202,7 @@ def test_words_are_those_of_the_renderer():
 def test_frames_and_jobs_take_the_options_of_render():
     def options(function):
         return set(inspect.signature(function).parameters)
-    of_files = {"place", "assets", "x3d_color", "x3d_shadows", "x3d_texture", "x3d_weld", "x3d_strict",
-                "x3d_two_sided"}
+    of_files = {"x3d_color", "x3d_shadows", "x3d_texture", "x3d_weld", "x3d_strict", "x3d_two_sided"}
     assert options(ts.render) - options(ts.Scene.frames) == {
         "scene", "time", "frame", "wait", "resume", *of_files}
     assert options(ts.render) - options(ts.Farm.submit) == {

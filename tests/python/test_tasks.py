@@ -1,8 +1,12 @@
 """Renders that go on by themselves, and who traces them."""
 import asyncio
+import contextlib
 import io
+import os
 import pathlib
+import signal
 import threading
+import time
 import warnings
 
 import numpy as np
@@ -45,6 +49,15 @@ def test_a_task_can_be_awaited_and_gathered(threads, expected):
     assert asyncio.run(both()) == [expected, expected]
 
 
+def test_its_time_goes_on_until_it_ends(threads):
+    task = ts.render(KNOT, farm=threads, wait=False, **SMALL)
+    began = task.progress.elapsed
+    image = task.result()
+    seconds = image.stats["seconds"]
+    assert task.progress.elapsed >= max(began, seconds["total"] - seconds["parse"])
+    assert task.progress.elapsed == task.progress.elapsed
+
+
 def test_progress_may_be_awaited():
     async def watched():
         with ts.Scene(nodes=[ts.Sphere()], background=1).render(size=(64, 36), workers=0, wait=False) as task:
@@ -76,6 +89,68 @@ def test_cancel_keeps_what_was_done(threads):
     with pytest.raises(ts.Cancelled) as caught:
         task.result(10)
     assert caught.value.code == 4 and caught.value.image.linear.any()
+
+
+def test_cancelling_while_it_is_denoised_keeps_what_was_traced(threads):
+    options = dict(size=(600, 450), spp=2, farm=threads)
+
+    def cancels(progress):
+        if progress.waiting_for == "the denoiser":
+            task.cancel()
+
+    task = ts.render(KNOT, denoise=True, wait=False, progress=cancels, **options)
+    with pytest.raises(ts.Cancelled) as caught:
+        task.result()
+    assert caught.value.image == ts.render(KNOT, **options)
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_ctrl_c_while_it_is_iterated_cancels_it(threads, own):
+    task = ts.render(KNOT, size=(4000, 3000), spp=64, wait=False, **({"workers": 0} if own else {"farm": threads}))
+
+    def interrupt():
+        while task.progress.done == 0 and not task.done():
+            time.sleep(.01)
+        signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        threading.Thread(target=interrupt).start()
+        with pytest.raises(KeyboardInterrupt):
+            for _ in task:
+                pass
+        assert task.done()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_who_leaves_the_loop_over_it_leaves_it_running(threads):
+    with endless(threads) as task:
+        for _ in task:
+            break
+        assert not task.done()
+
+
+def test_a_picture_that_waits_for_another_of_its_farm_is_cancelled_at_once(threads, expected):
+    with endless(threads):
+        waiting = ts.render(KNOT, farm=threads, wait=False, **SMALL)
+        assert waiting.progress.waiting_for == "another picture of the same farm"
+        waiting.cancel()
+        assert waiting.done()
+        with pytest.raises(ts.Cancelled) as caught:
+            waiting.result()
+        assert caught.value.image is None
+        with ts.render(KNOT, farm=threads, wait=False, **SMALL) as left:
+            pass
+        assert left.done()
+    assert ts.render(KNOT, farm=threads, **SMALL) == expected
+
+
+def test_a_picture_that_nobody_can_have_is_not_rendered(threads, expected):
+    endless(threads)
+    with pytest.raises(TimeoutError):
+        endless(threads).result(timeout=.1)
+    assert ts.render(KNOT, farm=threads, **SMALL) == expected
 
 
 def test_a_block_that_is_left_cancels_it(threads):
@@ -165,6 +240,57 @@ def test_an_exception_in_a_callback_cancels_the_render(threads, expected, which)
     assert ts.render(KNOT, farm=threads, **SMALL) == expected
 
 
+def awaited(task):
+    async def wait():
+        return await task
+
+    return asyncio.run(wait())
+
+
+@pytest.mark.parametrize("wait", [ts.Task.result, ts.Task.show, awaited])
+def test_callbacks_of_a_task_are_called_by_who_waits_for_it(threads, wait):
+    seen, told, callers = np.zeros((90, 130), int), [], set()
+
+    def on_tile(rect, so_far):
+        seen[rect.y0:rect.y1, rect.x0:rect.x1] += 1
+        callers.add(threading.get_ident())
+
+    task = ts.render(KNOT, farm=threads, size=(130, 90), progress=told.append, on_tile=on_tile, wait=False)
+    while not task.done():
+        pass
+    assert not told and not seen.any()
+    image = wait(task)
+    assert (seen == 1).all() and callers == {threading.get_ident()}
+    assert told[-1].done == told[-1].total > 0
+    calls = len(told)
+    assert task.result() == image and len(told) == calls
+
+
+@pytest.mark.parametrize("which", ["progress", "on_tile"])
+@pytest.mark.parametrize("wait", [ts.Task.result, awaited])
+def test_an_exception_in_a_callback_of_a_task_cancels_it(threads, which, wait):
+    def fails(*_):
+        raise TimeoutError("mine")
+
+    task = ts.render(KNOT, farm=threads, size=(4000, 3000), spp=64, wait=False, **{which: fails})
+    with pytest.raises(TimeoutError, match="mine"):
+        wait(task)
+    with pytest.raises(ts.Cancelled) as cancelled:
+        task.result(20)
+    # Nobody wants what was done, and so nobody waits until it is a picture.
+    assert wait is awaited or cancelled.value.image is None
+
+
+@pytest.mark.parametrize("wait", [True, False])
+@pytest.mark.parametrize("wrong, message", [
+    ({"progress": 3}, "progress: 3; expected True, a function or a bar like tqdm's"),
+    ({"on_tile": "x"}, "on_tile: 'x'; expected a function of a Rect and an Image")])
+def test_what_is_no_callback_is_told_at_the_call(threads, wrong, message, wait):
+    with pytest.raises(TypeError) as told:
+        ts.render(KNOT, farm=threads, wait=wait, **SMALL, **wrong)
+    assert str(told.value) == message
+
+
 def test_progress_is_told_to_a_function_and_to_a_bar(threads):
     told = []
     ts.render(KNOT, farm=threads, progress=told.append, **SMALL)
@@ -176,6 +302,29 @@ def test_progress_is_told_to_a_function_and_to_a_bar(threads):
     ts.render(KNOT, farm=threads, progress=True, **SMALL)
     with pytest.raises(TypeError, match="expected True, a function or a bar"):
         ts.render(KNOT, farm=threads, progress=3, **SMALL)
+
+
+def test_a_bar_of_ours_ends_full_and_with_its_line(threads):
+    told = io.StringIO()
+    with contextlib.redirect_stderr(told):
+        image = ts.render(KNOT, farm=threads, progress=True, size=(20, 10))
+    count = image.stats["tiles"]["total"]
+    assert f"{count}/{count}" in told.getvalue().split("\r")[-1] and told.getvalue().endswith("\n")
+
+
+@pytest.mark.parametrize("missing, shown", [(["tqdm"], "tiles"), (["tqdm", "rich"], "")])
+def test_without_tqdm_rich_shows_progress_and_else_a_terminal_text(script, missing, shown):
+    pytest.importorskip("rich", reason="rich is not installed, whose progress bar is tested")
+    assert script(f"""
+import contextlib, io, sys
+import tessera as ts
+for name in {missing!r}:
+    sys.modules[name] = sys.modules[name + ".auto"] = sys.modules[name + ".progress"] = None
+told = io.StringIO()
+with contextlib.redirect_stderr(told):
+    ts.render({str(KNOT)!r}, size=(20, 10), workers=0, progress=True)
+print({shown!r} in told.getvalue(), bool(told.getvalue()))
+""") == f"True {bool(shown)}"
 
 
 def test_a_closed_farm_is_told(expected):
@@ -226,7 +375,7 @@ def test_worker_processes_are_kept(expected):
     ({"accel": "bvj"}, "did you mean 'bvh'"),
     ({"crop": (0, 0, 2000, 1)}, "crop: 0,0,2000,1; expected a part of the frame, 0,0,960,540"),
     ({"frame": 1, "time": 2.}, "time: a frame has its own instant"),
-    ({"workers": -1}, "workers: -1; expected a whole number from 1 to 1024"),
+    ({"workers": -1}, "workers: -1; expected a whole number from 0 to 1024"),
     ({"threads": 0}, "threads: 0; expected a whole number from 1 to 1024"),
     ({"verify": 2.}, "verify: '2.0'; expected a share"),
     ({"verify": .5, "workers": 0}, "verify: needs a second worker"),
@@ -269,3 +418,61 @@ def test_nothing_is_printed_or_warned(capfd, expected):
         warnings.simplefilter("error")
         assert ts.render(KNOT, workers=0, **SMALL) == expected
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_kept_farm_replaces_workers_while_it_is_idle():
+    def workers():
+        return {int(pid) for task in pathlib.Path("/proc/self/task").iterdir()
+                for pid in (task / "children").read_text().split()
+                if pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"tessera\0worker\0")}
+
+    with ts.LocalFarm(1) as farm:
+        ts.render(KNOT, size=(8, 8), spp=1, farm=farm)
+        before, = workers()
+        os.kill(before, signal.SIGKILL)
+        end = time.monotonic() + 60
+        while not workers() - {before}:
+            assert time.monotonic() < end
+            time.sleep(.02)
+
+
+def test_a_bar_of_the_caller_shows_each_render(threads):
+    class Bar:
+        total = n = 0
+        shown = []
+
+        def update(self, n):
+            self.n += n
+            self.shown.append(self.n)
+
+        def refresh(self):
+            pass
+
+        close = refresh
+
+    bar = Bar()
+    for _ in range(2):
+        ts.render(KNOT, farm=threads, size=(60, 40), tile=20, spp=1, progress=bar)
+    assert bar.shown.count(6) == 2
+
+
+@pytest.mark.parametrize("made", [ts.Threads, ts.LocalFarm, ts.Farm])
+def test_a_farm_that_was_not_set_up_says_so(made):
+    class Own(made):
+        def __init__(self):
+            pass
+
+    for use in (lambda farm: farm.close(), lambda farm: ts.render(KNOT, farm=farm)):
+        with pytest.raises(AttributeError, match="is not set; expected Own.__init__ to call super"):
+            use(Own())
+
+
+def test_several_wait_for_one_task(threads):
+    task = ts.render(KNOT, farm=threads, size=(120, 80), tile=16, wait=False, on_tile=lambda *_: time.sleep(.005))
+    pictures = []
+    waiting = [threading.Thread(target=lambda: pictures.append(task.result())) for _ in range(4)]
+    for thread in waiting:
+        thread.start()
+    for thread in waiting:
+        thread.join()
+    assert len(pictures) == 4 and all(picture == pictures[0] for picture in pictures)

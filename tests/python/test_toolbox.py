@@ -158,6 +158,8 @@ def test_rectangles_from_corners():
         assert hits.normal[0].tolist() == [0, 0, normal]
     with pytest.raises(ts.SceneError, match=r"corners: 0.\d+ m off their plane; expected four in one"):
         ts.Rectangle.from_corners(a, b, (3, 2, 1), d)
+    with pytest.raises(ts.SceneError, match=r"a point of a polygon that is 0.\d+ m off its plane; expected 3 or more"):
+        ts.Scene(nodes=[ts.Polygon([a, b, (3, 2, 1), d])]).check()
     with pytest.raises(ts.SceneError, match="no area"):
         ts.Rectangle.from_corners(a, b, b, a[:2] + (0,)).intersect(a, b)
 

@@ -1,6 +1,7 @@
 // The page of a coordinator: asks how the farm is, again and again, and shows that.
 import { Refused, download, get, getPicture, order, signIn } from "/api.js";
 import { bytes, counted, duration, rate, workerColor } from "/format.js";
+import { difference } from "/difference.js";
 import { drawGraph } from "/graphs.js";
 import { Picture, tilesOfTrace } from "/picture.js";
 
@@ -235,7 +236,11 @@ async function showFrame(mine) {
   if (seen.job !== job.id || seen.frame !== frame) {
     picture.clear(job.width, job.height);
     seen = { job: job.id, frame, tag: null, cost: false };
+    byId("save-picture").hidden = byId("save-scene").hidden = byId("open-scene").hidden = true;
+    byId("difference").hidden = true;
+    byId("other").value = "";
   }
+  showOthers(job);
   const [tiles, image] = await Promise.all([
     get(`jobs/${job.id}/tiles?frame=${frame}`),
     getPicture(`jobs/${job.id}/preview.png?frame=${frame}`, seen.tag)]);
@@ -246,6 +251,8 @@ async function showFrame(mine) {
   }
   picture.showTiles(tiles);
   byId("picture-note").textContent = seen.tag ? "" : waitingFor(job, tiles);
+  byId("save-picture").hidden = !seen.tag;
+  byId("save-scene").hidden = false;
   await showCost(job, frame);
 }
 
@@ -281,7 +288,51 @@ function showJob(job, frame) {
   byId("frame-before").disabled = frame === 0;
   byId("frame-after").disabled = frame + 1 >= job.frames_total;
   byId("trace").href = `/api/v1/jobs/${job.id}/trace.json?frame=${frame}`;
+  const name = `job-${job.id}${job.frames_total > 1 ? `-frame-${frame + 1}` : ""}`;
+  byId("save-picture").href = `/api/v1/jobs/${job.id}/picture.png?frame=${frame}`;
+  byId("save-picture").download = `${name}.png`;
+  byId("save-scene").href = `/api/v1/jobs/${job.id}/scene.tesserab?frame=${frame}`;
+  byId("save-scene").download = `${name}.tesserab`;
 }
+
+/// The jobs of as many pixels, whose pictures can be compared.
+function showOthers(job) {
+  const list = byId("other");
+  const others = farm.jobs.filter((each) => each.id !== job.id && each.width === job.width && each.height === job.height);
+  const wanted = ["", ...others.map((each) => String(each.id))];
+  if (wanted.join() === [...list.options].map((each) => each.value).join()) return;
+  const before = list.value;
+  list.replaceChildren(...wanted.map((id) => {
+    const option = make("option", id ? `job ${id} ${titleOf(others.find((each) => String(each.id) === id))}` : "no job");
+    option.value = id;
+    return option;
+  }));
+  list.value = wanted.includes(before) ? before : "";
+}
+
+async function compare() {
+  const job = chosenJob(), other = Number(byId("other").value), note = byId("difference");
+  note.hidden = !job || !other;
+  if (note.hidden) return;
+  note.textContent = "comparing …";
+  const frame = frameToShow(job), theirs = farm.jobs.find((each) => each.id === other);
+  const otherFrame = Math.min(frame, (theirs?.frames_total ?? 1) - 1);
+  try {
+    const [one, two] = await Promise.all([getPicture(`jobs/${job.id}/picture.png?frame=${frame}`),
+                                          getPicture(`jobs/${other}/picture.png?frame=${otherFrame}`)]);
+    if (chosen.job !== job.id || Number(byId("other").value) !== other) return;
+    const found = difference(one.bitmap, two.bitmap);
+    const digits = (value) => Number(value.toPrecision(6));
+    note.textContent = !found ? `sizes differ: ${one.bitmap.width}×${one.bitmap.height} and ${two.bitmap.width}×${two.bitmap.height}`
+      : [`job ${job.id} and job ${other}: max difference ${digits(found.greatest)}`, `mean difference ${digits(found.mean)}`,
+         `rmse ${digits(found.rmse)}`, `differing pixels ${found.unequal} of ${found.pixels}`,
+         found.unequal ? `worst pixel ${found.worst.join(",")}` : ""].filter(Boolean).join(" · ");
+  } catch (error) {
+    if (error instanceof Refused) return askForToken();
+    note.textContent = error.message;
+  }
+}
+byId("other").addEventListener("change", compare);
 
 async function showCost(job, frame) {
   if (picture.showCost && picture.tiles.length === 0 && !seen.cost && job.state !== "queued") {
@@ -325,11 +376,20 @@ byId("frame-before").addEventListener("click", () => step(-1));
 byId("frame-after").addEventListener("click", () => step(1));
 byId("show-tiles").addEventListener("change", (event) => { picture.showInFlight = event.target.checked; picture.draw(); });
 byId("show-cost").addEventListener("change", (event) => { picture.showCost = event.target.checked; picture.draw(); ask(); });
-byId("trace").addEventListener("click", (event) => {
+// By a request of ours, which has the token.
+function save(event, name) {
   event.preventDefault();
   const path = event.currentTarget.getAttribute("href").replace("/api/v1/", "");
-  download(path, `job-${chosen.job}-trace.json`).catch((error) => { byId("order-note").textContent = error.message; });
+  download(path, name).catch((error) => { byId("order-note").textContent = error.message; });
+}
+byId("save-scene").addEventListener("click", (event) => {
+  const name = event.currentTarget.download, note = byId("open-scene");
+  save(event, name);
+  note.querySelector("code").textContent = `tessera studio ${name}`;
+  note.hidden = false;
 });
+byId("trace").addEventListener("click", (event) => save(event, `job-${chosen.job}-trace.json`));
+byId("save-picture").addEventListener("click", (event) => save(event, event.currentTarget.download));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => picture.draw());
 
 ask();

@@ -110,7 +110,7 @@ Octets deflated_alone(const Octets& bytes, bool is_last) {
   z_stream stream{};
   constexpr int kRaw = -15, kMemory = 8;
   // Runs in what the filter leaves are most of what a search for repeats would find in rendered
-  // pictures, and take a fifth of its time (docs/crt.md).
+  // pictures, and take a fifth of its time (docs/notes/crt_measured.md).
   if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kRaw, kMemory, Z_RLE) != Z_OK)
     throw std::bad_alloc();
   const std::unique_ptr<z_stream, decltype(&deflateEnd)> ending(&stream, deflateEnd);

@@ -158,6 +158,7 @@ CrtValue CrtEvaluator::call(const CrtMacro& macro, std::vector<CrtValue> values,
   Yields yields;
   {
     const OpenScope inside(*this, macro.scope);
+    const Under under(makings_, {where});
     scope_->ends_assignment = true;
     for (size_t i = 0; i < parameters; ++i) scope_->variables[parts[i]->text] = {values[i], {}};
     for (const CrtSyntax* statement : parts.back()->children) run_statement(*statement, &yields);
@@ -241,7 +242,12 @@ CrtValue CrtEvaluator::modified(const CrtValue& value, const v1::Transform& modi
   made.modifiers = modifiers;
   made.modifiers.MergeFrom((*entity)->modifiers);
   heap_.charge(static_cast<uint64_t>(made.modifiers.steps_size()) * 100, where);
-  return heap_.add(std::move(made), where);
+  const CrtEntity* added = heap_.add(std::move(made), where);
+  if (const auto known = program_.made.find(*entity); known != program_.made.end()) {
+    const CrtProgram::Made origin = known->second;
+    program_.made.emplace(added, origin);
+  }
+  return added;
 }
 
 // --------------------------------------------------------------------------------------- branches

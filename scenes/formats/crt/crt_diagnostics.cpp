@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scenes/import/warnings.h"
+
 namespace tessera {
 namespace {
 
@@ -29,7 +31,7 @@ CrtDiagnostics::CrtDiagnostics(std::string file, std::string_view text)
 void CrtDiagnostics::error(CrtSpan where, std::string_view found, std::string_view expected) {
   if (is_full() || !error_places_.insert(where.offset).second) return;
   std::string text = scene_error(place(where), found, expected).what();
-  errors_.push_back({where, text + "\n" + excerpt(where)});
+  errors_.push_back({where, text + "\n" + excerpt(where), parts_of(where, found, expected)});
 }
 
 void CrtDiagnostics::warning(CrtSpan where, std::string_view what) {
@@ -38,7 +40,8 @@ void CrtDiagnostics::warning(CrtSpan where, std::string_view what) {
     ++warnings_dropped_;
     return;
   }
-  warnings_.push_back({where, fmt::format("{}: {}", place(where).str(), what)});
+  warnings_.push_back(
+      {where, fmt::format("{}: {}", place(where).str(), what), parts_of(where, what, "")});
 }
 
 void CrtDiagnostics::throw_if_any() const {
@@ -48,21 +51,39 @@ void CrtDiagnostics::throw_if_any() const {
     return a.where.offset < b.where.offset;
   });
   std::string all;
-  for (const Message& message : sorted) all += message.text + "\n";
+  std::vector<Diagnostic> parts;
+  for (const Message& message : sorted) {
+    all += message.text + "\n";
+    parts.push_back(message.parts);
+  }
   if (is_full())
     all += fmt::format("{} errors; the rest is not looked at", errors_.size());
   else if (errors_.size() > 1)
     all += fmt::format("{} errors", errors_.size());
   else
     all.pop_back();
-  throw scene_error(all);
+  throw scene_error(all, std::move(parts));
 }
 
-std::vector<std::string> CrtDiagnostics::warnings() const {
-  std::vector<std::string> lines;
-  for (const Message& message : warnings_) lines.push_back(message.text);
-  if (warnings_dropped_) lines.push_back(fmt::format("{}: {} more", file_, warnings_dropped_));
-  return lines;
+void CrtDiagnostics::add_warnings_to(LoadedScene& loaded) const {
+  for (const Message& message : warnings_) {
+    loaded.warnings.push_back(message.text);
+    loaded.warning_diagnostics.push_back(message.parts);
+  }
+  if (warnings_dropped_) add_warning(loaded, file_, fmt::format("{} more", warnings_dropped_));
+}
+
+SourcePlace CrtDiagnostics::byte_place(uint32_t offset) const {
+  const auto next = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset);
+  const auto line = static_cast<size_t>(next - line_starts_.begin());
+  return {file_, static_cast<int>(line), static_cast<int>(offset - line_starts_[line - 1]) + 1};
+}
+
+Diagnostic CrtDiagnostics::parts_of(CrtSpan where, std::string_view found,
+                                    std::string_view expected) const {
+  Diagnostic parts = make_diagnostic(byte_place(where.offset), found, expected);
+  if (where.length > 0) parts.end = byte_place(where.offset + where.length);
+  return parts;
 }
 
 SourcePlace CrtDiagnostics::place(CrtSpan where) const {

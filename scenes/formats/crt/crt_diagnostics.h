@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/all_failures.h"
 #include "base/error.h"
+#include "scenes/import/loaded_scene.h"
 
 namespace tessera {
 
@@ -40,7 +42,6 @@ class CrtLimitError : public CrtError {
 /// Collects what is to be said of a script, each with its line, the source and a caret below it.
 class CrtDiagnostics {
  public:
-  static constexpr size_t kMostErrors = 20;
   static constexpr size_t kMostWarnings = 50;
 
   /// `text` must outlive this.
@@ -52,17 +53,21 @@ class CrtDiagnostics {
   void warning(CrtSpan where, std::string_view what);
 
   bool has_errors() const { return !errors_.empty(); }
-  bool is_full() const { return errors_.size() >= kMostErrors; }
+  bool is_full() const { return errors_.size() >= kMostFaults; }
   /// Throws one scene error that holds all errors in the order of their places.
   void throw_if_any() const;
-  std::vector<std::string> warnings() const;
+  void add_warnings_to(LoadedScene& loaded) const;
 
  private:
   struct Message {
     CrtSpan where;
     std::string text;
+    Diagnostic parts;
   };
   SourcePlace place(CrtSpan where) const;
+  /// In bytes, where place() counts characters, as people do.
+  SourcePlace byte_place(uint32_t offset) const;
+  Diagnostic parts_of(CrtSpan where, std::string_view found, std::string_view expected) const;
   std::string excerpt(CrtSpan where) const;
 
   std::string file_;

@@ -24,8 +24,8 @@ bool leans_left(const CrtSyntax& node) {
 
 }  // namespace
 
-CrtEvaluator::CrtEvaluator(CrtHeap& heap, CrtDiagnostics& diagnostics)
-    : heap_(heap), diagnostics_(diagnostics) {}
+CrtEvaluator::CrtEvaluator(CrtHeap& heap, CrtDiagnostics& diagnostics, bool keep_origins)
+    : heap_(heap), diagnostics_(diagnostics), keeps_origins_(keep_origins) {}
 
 CrtProgram CrtEvaluator::run(const CrtSyntax& script, int32_t time) {
   scope_ = open_scope(nullptr);
@@ -37,6 +37,23 @@ CrtProgram CrtEvaluator::run(const CrtSyntax& script, int32_t time) {
     diagnostics_.error(error);
   }
   return std::move(program_);
+}
+
+CrtValue CrtEvaluator::note_made(CrtValue value, CrtSpan where) {
+  const auto* entity = std::get_if<const CrtEntity*>(&value);
+  if (!keeps_origins_ || !entity) return value;
+  const auto [made, is_new] = program_.made.try_emplace(*entity);
+  if (!is_new) return value;
+  uint32_t in = 0;
+  for (Making& making : makings_) {
+    if (making.number == 0) {
+      program_.makings.push_back({making.where, making.turn, in});
+      making.number = static_cast<uint32_t>(program_.makings.size());
+    }
+    in = making.number;
+  }
+  made->second = {where, in};
+  return value;
 }
 
 void CrtEvaluator::step(CrtSpan where) {
@@ -112,7 +129,8 @@ CrtValue CrtEvaluator::apply(const CrtSyntax& node, const CrtValue& left) {
     }
     default:
       if (node.token == T::and_sign || node.token == T::or_sign) return logical(node, left);
-      return apply_binary(node.token, left, evaluate(*node.children[1]), heap_, node.span);
+      return note_made(
+          apply_binary(node.token, left, evaluate(*node.children[1]), heap_, node.span), node.span);
   }
 }
 
@@ -215,7 +233,8 @@ std::vector<CrtAttribute> CrtEvaluator::attributes(const CrtSyntax& expression) 
 
 CrtValue CrtEvaluator::object(const CrtSyntax& expression) {
   CrtAttributes values(expression.text, expression.span, attributes(expression), diagnostics_);
-  if (is_crt_object(expression.text)) return make_crt_object(expression.text, values, heap_);
+  if (is_crt_object(expression.text))
+    return note_made(make_crt_object(expression.text, values, heap_), expression.span);
   const std::vector<std::string> names = crt_object_names();
   throw CrtError(
       expression.span, fmt::format("unknown object '{}'", expression.text),
@@ -254,7 +273,7 @@ CrtValue CrtEvaluator::group(const CrtSyntax& expression) {
   }
   if (holds<CrtNothing>(whole))
     throw CrtError(expression.span, fmt::format("{} of nothing", expression.text), "entities");
-  return whole;
+  return note_made(whole, expression.span);
 }
 
 }  // namespace tessera

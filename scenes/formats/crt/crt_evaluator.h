@@ -34,8 +34,9 @@ class CrtEvaluator {
   static constexpr int kMaxDepth = 3000;          ///< of expressions, through all calls
   static constexpr size_t kMaxEntities = 250'000;
 
-  /// `heap` and `diagnostics` must outlive this and the program.
-  CrtEvaluator(CrtHeap& heap, CrtDiagnostics& diagnostics);
+  /// `heap` and `diagnostics` must outlive this and the program. `keep_origins`: the program tells
+  /// where entities were made.
+  CrtEvaluator(CrtHeap& heap, CrtDiagnostics& diagnostics, bool keep_origins = false);
   /// `time` is the value of t: the number of the frame.
   CrtProgram run(const CrtSyntax& script, int32_t time);
 
@@ -47,6 +48,23 @@ class CrtEvaluator {
     CrtSpan where;
   };
   using Yields = std::vector<Yield>;
+
+  /// A call or a turn that is under way.
+  struct Making {
+    CrtSpan where;
+    uint32_t turn = 0;
+    uint32_t number = 0;  ///< of CrtProgram::makings; 0 until an entity is made in it
+  };
+  /// One of `makings` while it lives.
+  struct Under {
+    Under(std::vector<Making>& makings, const Making& making) : makings_(makings) {
+      makings_.push_back(making);
+    }
+    ~Under() { makings_.pop_back(); }
+    Under(const Under&) = delete;
+    Under& operator=(const Under&) = delete;
+    std::vector<Making>& makings_;
+  };
 
   /// Raises a count while it lives.
   struct Raised {
@@ -101,6 +119,9 @@ class CrtEvaluator {
   CrtScope* open_scope(CrtScope* parent);
   void close_scope(CrtScope* scope);
 
+  /// Notes where the entity, if it is one that is not known yet, was made.
+  CrtValue note_made(CrtValue value, CrtSpan where);
+
   void step(CrtSpan where);
   /// Inside macros, loops and branches, which the original does not have, && || and ?: leave out
   /// what they do not need, and no variable is another's alias. Elsewhere everything is evaluated,
@@ -117,6 +138,8 @@ class CrtEvaluator {
   uint64_t steps_ = 0;
   int depth_ = 0, calls_ = 0, block_depth_ = 0;
   uint64_t leaves_ = 0;
+  bool keeps_origins_ = false;
+  std::vector<Making> makings_;
 };
 
 }  // namespace tessera

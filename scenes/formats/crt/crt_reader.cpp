@@ -13,8 +13,6 @@
 namespace tessera {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr uint64_t kMaxBytes = uint64_t{8} << 20;
 
 void check_file(const std::string& written, CrtSpan where, const AssetFolder& assets,
@@ -25,11 +23,10 @@ void check_file(const std::string& written, CrtSpan where, const AssetFolder& as
     return;
   }
   const auto file = assets.find(reference);
-  std::error_code ignored;
   if (!file)
     diagnostics.error(where, fmt::format("'{}' is not inside {}", written, assets.shown_root()),
                       "a file in that folder or below it");
-  else if (!fs::is_regular_file(*file, ignored))
+  else if (!is_input_file(*file))
     diagnostics.error(where, fmt::format("there is no file '{}'", file->string()),
                       fmt::format("a file in {} or below it", assets.shown_root()));
 }
@@ -47,21 +44,21 @@ void check_files(const CrtProgram& program, const AssetFolder& assets,
 }  // namespace
 
 LoadedScene parse_crt(const std::string& text, const std::string& name,
-                      const std::optional<AssetFolder>& assets, int32_t frame) {
+                      const std::optional<AssetFolder>& assets, int32_t frame, bool keep_origins) {
   CrtDiagnostics diagnostics(name, text);
   CrtSyntaxPool pool;
   const CrtSyntax& script = CrtParser(text, pool, diagnostics).parse();
   diagnostics.throw_if_any();
   CrtHeap heap;
-  const CrtProgram program = CrtEvaluator(heap, diagnostics).run(script, frame);
+  const CrtProgram program = CrtEvaluator(heap, diagnostics, keep_origins).run(script, frame);
   if (assets) check_files(program, *assets, diagnostics);
   diagnostics.throw_if_any();
   LoadedScene loaded;
-  loaded.scene = write_crt_scene(program);
+  loaded.scene = write_crt_scene(program, loaded.origins, name);
   // The original's pictures come through a library that heeds colour profiles.
   for (const v1::Texture& texture : loaded.scene.textures())
     if (texture.has_image()) loaded.profiled_pictures.insert(texture.image().file());
-  loaded.warnings = diagnostics.warnings();
+  diagnostics.add_warnings_to(loaded);
   loaded.depends_on_frame = program.uses_time;
   return loaded;
 }
@@ -70,7 +67,7 @@ LoadedScene read_crt(const std::string& path, const ReadOptions& options) {
   const std::string bytes = read_input_file(path, kMaxBytes);
   refuse_wide_text(bytes, path);
   const std::string text = to_utf8(skip_byte_order_mark(bytes));
-  return parse_crt(text, path, AssetFolder(path, options.assets), options.frame);
+  return parse_crt(text, path, AssetFolder(path, options.assets), options.frame, options.origins);
 }
 
 }  // namespace tessera

@@ -15,6 +15,7 @@ LoadedScene read_crt(const std::string& path, const ReadOptions& options);
 
 /// As read_crt, of a script in memory; without `assets` the files that it names are not looked for.
 LoadedScene parse_crt(const std::string& text, const std::string& name,
-                      const std::optional<AssetFolder>& assets, int32_t frame);
+                      const std::optional<AssetFolder>& assets, int32_t frame,
+                      bool keep_origins = false);
 
 }  // namespace tessera

@@ -82,11 +82,13 @@ std::optional<bool> CrtEvaluator::condition(const CrtSyntax& expression) {
 void CrtEvaluator::run_loop(const CrtSyntax& loop, Yields* yields) {
   check_depth(loop.span);
   const Raised deeper(depth_), inside(block_depth_);
+  const Under under(makings_, {loop.span});
   for (uint64_t turn = 0; condition(*loop.children[0]).value_or(false); ++turn) {
     step(loop.span);
     if (turn == kMaxTurns)
       throw CrtLimitError(loop.span, "a loop without end",
                           fmt::format("at most {} turns", kMaxTurns));
+    makings_.back() = {loop.span, static_cast<uint32_t>(turn + 1)};
     run_block(*loop.children[1], yields);
     if (diagnostics_.has_errors()) break;  // the next turn would only say the same
   }

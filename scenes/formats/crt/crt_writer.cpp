@@ -14,7 +14,8 @@ constexpr char kBackgroundTexture[] = "background";
 
 class Writer {
  public:
-  explicit Writer(const CrtProgram& program) : program_(program) {}
+  Writer(const CrtProgram& program, OriginTable& origins, const std::string& name)
+      : program_(program), origins_(origins), name_(name) {}
 
   v1::Scene write() {
     *scene_.mutable_metadata() = program_.metadata;
@@ -88,6 +89,7 @@ class Writer {
   void write_include(const CrtEntity& entity) {
     v1::Include& include = *scene_.add_includes();
     include = entity.include;
+    mark(entity, Origin::Kind::include, include);
     include.set_file(crt_file_reference(include.file()));
     *include.mutable_transform() = entity.modifiers;
     // Models come right-handed; mirrored, they look in this world as they do in theirs.
@@ -99,6 +101,7 @@ class Writer {
   void write_node(const CrtEntity& entity, bool alone, v1::Node& node) {
     if (const auto name = program_.names.find(&entity); name != program_.names.end())
       node.set_name(name->second);
+    mark(entity, Origin::Kind::part, node);
     if (entity.modifiers.steps_size() > 0) *node.mutable_transform() = entity.modifiers;
     if (entity.kind == CrtEntity::Kind::shape) {
       node.mutable_transform()->MergeFrom(entity.placement);
@@ -118,6 +121,33 @@ class Writer {
       else
         write_combination(entity.operation, part, place);
     }
+  }
+
+  void mark(const CrtEntity& entity, Origin::Kind kind, google::protobuf::Message& message) {
+    const auto made = program_.made.find(&entity);
+    if (made == program_.made.end()) return;
+    const auto [at, is_new] = origin_numbers_.try_emplace(&entity);
+    if (is_new) {
+      at->second = origins_.add({.kind = kind,
+                                 .file = origins_.file(name_),
+                                 .offset = made->second.where.offset,
+                                 .above = making_origin(made->second.in)});
+    }
+    set_origin(message, at->second);
+  }
+
+  /// What stands above a making has a smaller number.
+  uint32_t making_origin(uint32_t number) {
+    while (making_origins_.size() < number) {
+      const CrtProgram::Making& making = program_.makings[making_origins_.size()];
+      making_origins_.push_back(
+          origins_.add({.kind = making.turn > 0 ? Origin::Kind::turn : Origin::Kind::call,
+                        .file = origins_.file(name_),
+                        .offset = making.where.offset,
+                        .turn = making.turn,
+                        .above = making.above == 0 ? 0 : making_origins_[making.above - 1]}));
+    }
+    return number == 0 ? 0 : making_origins_[number - 1];
   }
 
   void write_combination(v1::Csg::Operation operation,
@@ -191,6 +221,10 @@ class Writer {
   }
 
   const CrtProgram& program_;
+  OriginTable& origins_;
+  const std::string& name_;
+  std::unordered_map<const CrtEntity*, uint32_t> origin_numbers_;
+  std::vector<uint32_t> making_origins_;
   v1::Scene scene_;
   std::set<std::string> names_;
   std::map<std::string, int> counts_;
@@ -200,7 +234,10 @@ class Writer {
 
 }  // namespace
 
-v1::Scene write_crt_scene(const CrtProgram& program) { return Writer(program).write(); }
+v1::Scene write_crt_scene(const CrtProgram& program, OriginTable& origins,
+                          const std::string& name) {
+  return Writer(program, origins, name).write();
+}
 
 std::string crt_file_reference(const std::string& written) {
   return written.substr(std::min(written.find_first_not_of('/'), written.size()));

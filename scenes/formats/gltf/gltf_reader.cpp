@@ -101,7 +101,7 @@ class GltfReader {
     list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
     list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
     list_unused("nodes", "node", [&](size_t i) { return seen_[i]; });
-    out_.warnings = warnings_.list(file_.name());
+    warnings_.add_to(out_, file_.name());
     return std::move(out_);
   }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/input_scope.h"
 #include "base/plain_text.h"
 #include "scenes/import/decimal.h"
 
@@ -52,7 +53,11 @@ int LineReader::joint(const char* at) {
 
 LineReader::LineReader(const std::string& path) : name_(path) {
   check_input_file(path, uint64_t{1} << 40);
-  file_.reset(std::fopen(path.c_str(), "rb"));
+  if (const auto text = InputScope::text_of(path)) {
+    pending_ = *text;
+    return;
+  }
+  file_ = open_input_file(path);
   if (!file_) throw scene_error(fmt::format("{}: {}", path, std::strerror(errno)));
 }
 

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "base/error.h"
+#include "base/open_input.h"
 
 namespace tessera {
 
@@ -57,10 +56,6 @@ class LineReader {
   std::string quoted_word() const;
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
   static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
   /// The length of the joint (backslash and line end) at `at`, or 0.
@@ -75,7 +70,7 @@ class LineReader {
   SourcePlace place_of(const char* at) const;
 
   std::string name_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
+  InputFile file_;
   std::string buffer_;   ///< whole lines, then the zero byte of every std::string
   std::string pending_;  ///< the piece of a line after the last whole one
   const char* at_ = nullptr;

@@ -7,23 +7,36 @@
 #include <set>
 
 #include "base/file.h"
+#include "base/input_scope.h"
 #include "renderer/math/bounds.h"
 #include "scenes/formats/obj/line_reader.h"
 #include "scenes/formats/obj/mtl_reader.h"
 #include "scenes/formats/obj/obj_parser.h"
 #include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
+#include "scenes/import/read_cache.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
+bool is_there(const fs::path& file) {
+  std::error_code ignored;
+  return is_input_file(file) || fs::exists(file, ignored);
+}
+
+/// Whether it is a file that is not empty: an empty library is no error.
+bool has_text(const fs::path& file) {
+  std::error_code ignored;
+  if (const auto text = InputScope::text_of(file)) return !text->empty();
+  return fs::is_regular_file(file, ignored) && fs::file_size(file, ignored) > 0;
+}
+
 /// The files that the text after mtllib names: one whose name has spaces, or several.
 std::vector<std::string> library_names(const std::string& written, const AssetFolder& assets) {
   const auto whole = assets.find(written);
-  std::error_code ignored;
-  if (whole && fs::exists(*whole, ignored)) return {written};
+  if (whole && is_there(*whole)) return {written};
   // Some programs put a backslash before the spaces of a name.
   std::vector<std::string> names(1);
   for (size_t at = 0; at < written.size(); ++at) {
@@ -58,14 +71,13 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
   for (char& c : name)
     if (c == '\\') c = '/';
   const auto file = assets.find(name);
-  std::error_code ignored;
   if (!file) {
-    out.warnings.push_back(fmt::format("{}: material library '{}' lies outside {} and is not read",
-                                       path, to_utf8(written), assets.shown_root()));
-  } else if (!fs::exists(*file, ignored)) {
-    out.warnings.push_back(
-        fmt::format("{}: material library '{}' is not there", path, to_utf8(written)));
-  } else if (fs::is_regular_file(*file, ignored) && fs::file_size(*file, ignored) > 0) {
+    add_warning(out, path,
+                fmt::format("material library '{}' lies outside {} and is not read",
+                            to_utf8(written), assets.shown_root()));
+  } else if (!is_there(*file)) {
+    add_warning(out, path, fmt::format("material library '{}' is not there", to_utf8(written)));
+  } else if (has_text(*file)) {
     Warnings warnings;
     LineReader reader(assets.searches_root ? file->string()
                                            : (fs::path(path).parent_path() / name).string());
@@ -77,7 +89,7 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
                           warnings);
     };
     read_mtl(reader, finder, library, warnings);
-    for (std::string& line : warnings.list(reader.name())) out.warnings.push_back(std::move(line));
+    warnings.add_to(out, reader.name());
   }
 }
 
@@ -89,8 +101,37 @@ double size_of(const std::vector<float>& positions) {
   return box.empty() ? 0 : length(box.diagonal());
 }
 
+/// What an OBJ file says by itself, whatever its libraries do.
+struct ObjGeometry {
+  std::vector<std::string> materials, libraries;  ///< as of ObjFile
+  double size = 0;                                ///< of size_of() its positions
+  bool has_triangles = false, has_colors = false;
+  v1::TriangleMesh mesh;
+  BlobStore blobs;
+  Warnings warnings;
+};
+
+ObjGeometry read_geometry(LineReader& reader) {
+  ObjGeometry out;
+  ObjFile file = ObjParser(reader, out.warnings).parse();
+  out.materials = std::move(file.materials);
+  out.libraries = std::move(file.libraries);
+  out.has_triangles = file.mesh.triangle_count() > 0;
+  if (!out.has_triangles) return out;
+  out.size = size_of(file.mesh.positions);
+  out.has_colors = !file.mesh.colors.empty();
+  out.mesh = store_mesh(file.mesh.finish(), out.blobs);
+  return out;
+}
+
+uint64_t bytes_of(const ObjGeometry& geometry) {
+  uint64_t bytes = geometry.mesh.SpaceUsedLong();
+  for (const auto& [digest, blob] : geometry.blobs.all()) bytes += blob->size();
+  return bytes;
+}
+
 /// Puts the materials that the mesh uses into the scene, in the order of use, with their textures.
-void add_materials(const ObjFile& file, const MtlLibrary& library, LoadedScene& out,
+void add_materials(const ObjGeometry& file, const MtlLibrary& library, LoadedScene& out,
                    Warnings& warnings) {
   std::vector<std::string> known;
   for (const auto& entry : library.materials) known.push_back(entry.first);
@@ -101,10 +142,9 @@ void add_materials(const ObjFile& file, const MtlLibrary& library, LoadedScene& 
     if (found != library.materials.end()) {
       material = found->second;
       if (material.has_bump())
-        material.mutable_bump()->set_value(material.bump().value() * 0.01 *
-                                           size_of(file.mesh.positions));
+        material.mutable_bump()->set_value(material.bump().value() * 0.01 * file.size);
     } else {
-      material = plain_material(name.empty() ? "default" : name, !file.mesh.colors.empty());
+      material = plain_material(name.empty() ? "default" : name, file.has_colors);
       if (!name.empty())
         warnings.add(fmt::format("material '{}' is not defined; grey is taken{}", name,
                                  suggestion(name, known)));
@@ -129,42 +169,49 @@ void make_names_unique(v1::Scene& scene) {
   }
 }
 
-LoadedScene read(LineReader& reader, const AssetFolder* assets, const PictureCheck& check) {
+LoadedScene add_libraries(const ObjGeometry& file, const std::string& path,
+                          const AssetFolder* assets, const PictureCheck& check) {
   LoadedScene out;
-  Warnings warnings;
-  ObjFile file = ObjParser(reader, warnings).parse();
+  Warnings warnings = file.warnings;
   MtlLibrary library;
   if (assets) {
     std::set<std::string> seen;
     for (const std::string& written : file.libraries)
       for (const std::string& name : library_names(written, *assets))
         if (seen.insert(name).second)
-          read_library(name, *assets, check, file.materials, library, out, reader.name());
+          read_library(name, *assets, check, file.materials, library, out, path);
   }
-  if (file.mesh.triangle_count() == 0) {
+  if (!file.has_triangles) {
     warnings.add("no faces: there is nothing to see");
   } else {
     v1::Node& node = *out.scene.add_nodes();
-    node.set_name(to_utf8(fs::path(reader.name()).stem().string()));
+    node.set_name(to_utf8(fs::path(path).stem().string()));
     add_materials(file, library, out, warnings);
     make_names_unique(out.scene);
-    *node.mutable_shape()->mutable_mesh() = store_mesh(file.mesh.finish(), out.blobs);
+    *node.mutable_shape()->mutable_mesh() = file.mesh;
+    out.blobs = file.blobs;
   }
-  for (std::string& line : warnings.list(reader.name())) out.warnings.push_back(std::move(line));
+  warnings.add_to(out, path);
   return out;
 }
 
 }  // namespace
 
 LoadedScene read_obj(const std::string& path, const ReadOptions& options) {
-  LineReader reader(path);
   const AssetFolder assets(path, options.assets);
-  return read(reader, &assets, options.check_picture);
+  const auto file = remembered<ObjGeometry>(
+      options.cache, fmt::format("obj|{}|{}", path, whole_path(path).string()),
+      [&path] {
+        LineReader reader(path);
+        return read_geometry(reader);
+      },
+      bytes_of);
+  return add_libraries(*file, path, &assets, options.check_picture);
 }
 
 LoadedScene parse_obj(std::string_view text, const std::string& name) {
   LineReader reader(text, name);
-  return read(reader, nullptr, {});
+  return add_libraries(read_geometry(reader), name, nullptr, {});
 }
 
 }  // namespace tessera

@@ -325,7 +325,7 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name, const Pic
     node.mutable_shape()->add_materials("default");
     *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);
   }
-  out.warnings = warnings.list(name);
+  warnings.add_to(out, name);
   return out;
 }
 

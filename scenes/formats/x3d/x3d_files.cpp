@@ -56,8 +56,7 @@ X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder
   from.folder = (from.folder / folder).lexically_normal();
   const auto target = from.find(path);
   if (!target) return {.reason = fmt::format("it is not inside {}", assets_->shown_root())};
-  std::error_code failure;
-  if (!fs::is_regular_file(*target, failure)) return {.reason = "there is no such file"};
+  if (!is_input_file(*target)) return {.reason = "there is no such file"};
   return {.file = target->lexically_relative(assets_->folder).generic_string()};
 }
 

@@ -60,11 +60,11 @@ void X3dTranslator::add_all(const v1::Transform& path, double unit, Nodes& out) 
     inner.MergeFrom(scaled.transform());
     add_children(document_.scene(), inner, *scaled.mutable_children());
   }
+  failures_.throw_if_any();
   list_ignored();
   for (const X3dDocument::Remark& remark : document_.remarks())
     values_.warn(remark.offset, remark.text);
-  for (std::string& line : warnings_.list(document_.name()))
-    out_.warnings.push_back(std::move(line));
+  warnings_.add_to(out_, document_.name());
 }
 
 void X3dTranslator::finish() {
@@ -140,7 +140,19 @@ std::vector<const X3dNode*> X3dTranslator::shown_children(const X3dNode& parent)
 }
 
 void X3dTranslator::add_children(const X3dNode& parent, const v1::Transform& path, Nodes& out) {
-  for (const X3dNode* child : shown_children(parent)) add_node(*child, path, out);
+  const int depth = build_.depth;
+  for (const X3dNode* child : shown_children(parent)) {
+    if (failures_.has_more()) return;
+    try {
+      add_node(*child, path, out);
+    } catch (const Error& error) {
+      // One is enough to leave out a file that is placed, and a circle of files is one fault.
+      const bool is_placed = build_.files.open.size() > 1;
+      if (is_placed || build_.files.is_endless || error.code() != ExitCode::bad_scene) throw;
+      failures_.add(error);
+      build_.depth = depth;
+    }
+  }
 }
 
 /// As add_children goes, but into no Inline.
@@ -210,6 +222,7 @@ void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1
     throw document_.error(node.offset, "groups nested too deep",
                           fmt::format("at most {} levels", X3dBuild::kMaxDepth));
   out.set_name(node.def);
+  mark(node, out);
   if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
   if (node.type == "Shape") return add_shape(node, path, out);
   v1::Transform inner = path;
@@ -225,6 +238,20 @@ void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1
   else
     add_children(node, inner, *out.mutable_children());
   --build_.depth;
+}
+
+void X3dTranslator::mark(const X3dNode& node, v1::Node& out) {
+  if (!build_.options.origins) return;
+  OriginTable& origins = out_.origins;
+  Origin origin{.kind = node.type == "Inline" ? Origin::Kind::include : Origin::Kind::part,
+                .file = origins.file(document_.name()),
+                .offset = static_cast<uint32_t>(node.offset)};
+  if (node.instance) {
+    origin.above = origins.add({.kind = Origin::Kind::use,
+                                .file = origin.file,
+                                .offset = static_cast<uint32_t>(*node.instance)});
+  }
+  set_origin(out, origins.add(std::move(origin)));
 }
 
 /// T C R SR S -SR -C, leaving out what does nothing.

@@ -59,6 +59,7 @@ class X3dUndo {
     build_.headlight = headlight_;
     build_.depth = depth_;
     build_.out.warnings.resize(warnings_);
+    build_.out.warning_diagnostics.resize(warnings_);
     build_.placeholder = placeholder_;
     build_.files.open = open_;
     build_.files.objects = known_;

@@ -11,9 +11,12 @@ LoadedScene read_first(std::string_view bytes, const std::string& name, const Re
                        X3dFiles files) {
   const X3dDocument document = X3dDocument::parse(bytes, name);
   X3dBuild build{.options = options, .files = std::move(files)};
-  build.view = X3dTranslator(document, build, "").first_view();  // whose warnings come again
+  // Its warnings and errors come again, among all that there are.
+  AllFailures on_the_way;
+  on_the_way.attempt([&] { build.view = X3dTranslator(document, build, "").first_view(); });
   X3dTranslator translator(document, build, "");
   translator.add_all({}, 1, *build.out.scene.mutable_nodes());
+  on_the_way.throw_if_any();
   translator.finish();
   return std::move(build.out);
 }

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/all_failures.h"
 #include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/formats/x3d/document/x3d_nodes.h"
 #include "scenes/formats/x3d/document/x3d_values.h"
@@ -70,6 +71,8 @@ class X3dTranslator {
   void add_node(const X3dNode& node, const v1::Transform& path, Nodes& out);
   void add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out);
   void fill_node(const X3dNode& node, const v1::Transform& path, v1::Node& out);
+  /// Notes where the node stands in the file.
+  void mark(const X3dNode& node, v1::Node& out);
   v1::Transform transform(const X3dNode& node) const;
   void add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out);
   std::string read_inline(const X3dNode& node, const std::string& url, const v1::Transform& path,
@@ -157,6 +160,7 @@ class X3dTranslator {
   LoadedScene& out_;
   const std::string folder_;
   Warnings warnings_;
+  AllFailures failures_{kMostFaults};
   X3dValues values_;
 
   std::map<const X3dNode*, std::string> objects_;  ///< by what is used more than once

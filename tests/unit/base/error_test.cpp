@@ -52,5 +52,50 @@ TEST(NearestName, FindsWhatANameIsShortFor) {
   EXPECT_EQ(nearest_name("identity", names), std::nullopt) << "too short a name";
 }
 
+TEST(Diagnostic, HasThePartsOfTheMessage) {
+  const std::array<std::string, 2> names{"whitted", "path"};
+  const Error error =
+      scene_error({"a.tessera", 3, 7}, "'pth'", "one of whitted, path" + suggestion("pth", names));
+  EXPECT_STREQ(error.what(),
+               "a.tessera:3:7: 'pth'; expected one of whitted, path; did you mean 'path'?");
+  ASSERT_EQ(error.diagnostics().size(), 1u);
+  const Diagnostic& parts = error.diagnostics()[0];
+  EXPECT_EQ(parts.place.str(), "a.tessera:3:7");
+  EXPECT_EQ(parts.found, "'pth'");
+  EXPECT_EQ(parts.expected, "one of whitted, path");
+  EXPECT_EQ(parts.suggestion, "path");
+  EXPECT_EQ(parts.end.line, 0);
+}
+
+TEST(Diagnostic, HasThePartsOfAMessageThatWasPutTogetherElsewhere) {
+  const Diagnostic built =
+      scene_error({"a.obj"}, "sphere.radius: -1; expected above 0", "").diagnostics().at(0);
+  EXPECT_EQ(built.found, "sphere.radius: -1");
+  EXPECT_EQ(built.expected, "above 0");
+  const Diagnostic missing = make_diagnostic({"a.obj"}, "no such file; did you mean 'b.obj'?", "");
+  EXPECT_EQ(missing.found, "no such file");
+  EXPECT_EQ(missing.suggestion, "b.obj");
+  EXPECT_TRUE(usage_error("what?").diagnostics().empty());
+}
+
+TEST(Diagnostic, EndsWithTheWordAtItsPlace) {
+  const std::string text = "one two.three\r\n\"a \\\" b\" -1.5e-3,x\n\n{ ünd";
+  const auto end = [&](int line, int column) {
+    const SourcePlace at = end_of_word(text, {"a", line, column});
+    return at.line == 0 ? 0 : at.column;
+  };
+  EXPECT_EQ(end(1, 1), 4);
+  EXPECT_EQ(end(1, 5), 14) << "a name with a dot";
+  EXPECT_EQ(end(1, 14), 14) << "the end of a line";
+  EXPECT_EQ(end(2, 1), 9) << "a text in quotes";
+  EXPECT_EQ(end(2, 10), 17) << "a number";
+  EXPECT_EQ(end(2, 17), 18) << "one character";
+  EXPECT_EQ(end(3, 1), 1);
+  EXPECT_EQ(end(4, 3), 7) << "in bytes";
+  EXPECT_EQ(end(5, 1), 0);
+  EXPECT_EQ(end(1, 99), 0);
+  EXPECT_EQ(end(0, 0), 0);
+}
+
 }  // namespace
 }  // namespace tessera

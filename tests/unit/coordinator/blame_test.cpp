@@ -1,6 +1,7 @@
 // What failures count against: the scene, a worker or its key.
 #include <limits>
 
+#include "coordinator/tiles/tile_store.h"
 #include "proto/wire/blob_transfer.h"
 #include "tests/unit/coordinator/coordinator_fixture.h"
 
@@ -32,6 +33,25 @@ TEST_F(CoordinatorTest, OneWorkerIsNotBelievedThatASceneIsBad) {
   coordinator.on_peer_gone("q", {});
   say("p", failed(next));
   ASSERT_TRUE(coordinator.take_result(next));
+}
+
+/// What is kept in it cannot be read.
+class DamagedTiles final : public TileStore {
+ public:
+  void keep(const Digest&, const FinishedTile&) override {}
+  void drop(const Digest&, const PixelRect&) override {}
+  void drop_all(const Digest&) override {}
+  std::vector<FinishedTile> find(const Digest&) override { throw render_error("damaged"); }
+};
+
+TEST_F(CoordinatorTest, AJobOfThisProcessFailsWhoseTilesCannotBeRead) {
+  const uint64_t id = coordinator.submit(job(), {}, std::make_shared<DamagedTiles>());
+  say("p", hello(1));
+  const auto result = coordinator.take_result(id);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->report.failure, "damaged");
+  EXPECT_EQ(result->report.holes, std::vector{job().crop});
+  EXPECT_EQ(result->film.rect(), job().crop);
 }
 
 TEST_F(CoordinatorTest, AJobThatEndsWorkersWhileTheyBuildEnds) {

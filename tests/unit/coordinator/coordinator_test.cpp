@@ -291,6 +291,8 @@ TEST_F(CoordinatorTest, JobsThatCannotBeAreRefused) {
   refused([](JobSpec& spec) { spec.crop = {-1, 0, 5, 9}; });
   refused([](JobSpec& spec) { spec.tile_size = -1; });
   refused([](JobSpec& spec) { spec.frame.set_samples_per_pixel(0); });
+  refused([](JobSpec& spec) { spec.priority = kMostPriority + 1; });
+  refused([](JobSpec& spec) { spec.priority = -kMostPriority - 1; });
 }
 
 TEST_F(CoordinatorTest, InterruptsQueuedJobsToo) {
@@ -300,6 +302,51 @@ TEST_F(CoordinatorTest, InterruptsQueuedJobsToo) {
   EXPECT_FALSE(coordinator.take_result(first));
   coordinator.interrupt(first, {});
   EXPECT_EQ(coordinator.take_result(first)->report.holes.size(), 4u);
+}
+
+TEST_F(CoordinatorTest, OfJobsOfThisProcessTheMostUrgentIsServedFirst) {
+  const uint64_t whole = coordinator.submit(job(64), {});
+  v1::Envelope worker = hello(1);
+  worker.mutable_hello()->set_credit(5);  // more than it is given: there is always a place
+  say("p", worker);
+  ready("p", whole);
+  JobSpec urgent = job();
+  urgent.priority = 5;
+  urgent.frame.set_seed(2);
+  const uint64_t view = coordinator.submit(urgent, {});
+  EXPECT_EQ(job_id(), view) << "it is told at once, while tiles of the other are traced";
+  ready("p", view);
+  std::vector<uint64_t> served;
+  for (size_t i = 0; i < heard(v1::Envelope::kAssign).size() && i < 8; ++i) {
+    const v1::Assign assign = heard(v1::Envelope::kAssign)[i].assign();
+    served.push_back(assign.job());
+    say("p", band(assign, 1));
+  }
+  EXPECT_EQ(served, (std::vector<uint64_t>{whole, whole, view, view, view, view, whole, whole}));
+  // Both at once: one has ended, the other goes on.
+  const auto result = coordinator.take_result(view);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->report.end, JobReport::End::done);
+  EXPECT_FALSE(coordinator.take_result(whole));
+}
+
+TEST_F(CoordinatorTest, TellsOfOneOfSeveralJobsOfThisProcess) {
+  const uint64_t small = coordinator.submit(job(), {}), large = coordinator.submit(job(64), {});
+  say("p", hello(1));
+  ready("p", small);
+  say("p", band(heard(v1::Envelope::kAssign).at(0).assign(), 0.25f));
+  EXPECT_EQ(coordinator.progress(small, {})->tiles_done, 1u);
+  EXPECT_EQ(coordinator.progress(large, {})->tiles_done, 0u);
+  EXPECT_EQ(coordinator.progress(large, {})->tiles_total, 16u);
+  EXPECT_EQ(coordinator.tiles(small, {}).size(), 4u);
+  EXPECT_EQ(coordinator.tiles(large, {}).size(), 16u);
+  EXPECT_EQ(coordinator.film(small)->values[0], 0.25f);
+  EXPECT_EQ(coordinator.film(large)->rect, (PixelRect{0, 0, 64, 64}));
+  coordinator.interrupt(small, {});
+  EXPECT_FALSE(coordinator.progress(small, {}));
+  EXPECT_FALSE(coordinator.film(small));
+  EXPECT_TRUE(coordinator.tiles(small, {}).empty());
+  EXPECT_TRUE(coordinator.progress(large, {}));
 }
 
 TEST_F(CoordinatorTest, AWorkerThatIsShortOfMemoryHoldsFewerTiles) {

@@ -119,10 +119,12 @@ TEST_F(JobOrders, WithoutEffectAreToldAndSoIsAJobThatIsNotThere) {
              unknown = job_status(v1::JobStatus::UNKNOWN);
   EXPECT_EQ(failure_of(v1::JobQuery::PAUSE, {running}).first, ExitCode::render_failed);
   EXPECT_EQ(failure_of(v1::JobQuery::PAUSE, {unknown}).first, ExitCode::bad_usage);
-  transport_.answers = {unknown, running};
+  transport_.answers = {unknown, running, job_status(v1::JobStatus::ENDED)};
   forget_job(client_, kJob);
   EXPECT_EQ(failure([&] { forget_job(client_, kJob); }),
-            Failure(ExitCode::render_failed, "job 7 is running, but could not be forgotten"));
+            Failure(ExitCode::bad_usage,
+                    "JOB: job 7 is running; expected one that has ended, or was cancelled"));
+  EXPECT_EQ(failure([&] { forget_job(client_, kJob); }).first, ExitCode::render_failed);
 }
 
 TEST_F(JobOrders, ToFetchTellWhetherTheFrameHasEndedAndHow) {

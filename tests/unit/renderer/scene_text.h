@@ -6,6 +6,7 @@
 #include <string>
 
 #include "renderer/render/tile_renderer.h"
+#include "renderer/scene/scene.h"
 
 namespace tessera {
 
@@ -31,6 +32,14 @@ inline TilePixels render_rect(const TileRenderer& renderer, const PixelRect& rec
   auto tile = renderer.render({rect, first, samples}, progress);
   EXPECT_TRUE(tile.has_value());
   return tile ? std::move(*tile) : TilePixels{};
+}
+
+/// A scene of which tracing asks everything at every hit, as if it had every feature.
+inline std::shared_ptr<const Scene> with_every_feature(const std::shared_ptr<const Scene>& scene) {
+  // Nobody else has it, and it was not made const.
+  std::const_pointer_cast<Scene>(scene)->features = {
+      .shadows = true, .secondary = true, .rich = true, .veils = scene->features.veils};
+  return scene;
 }
 
 /// The whole frame.

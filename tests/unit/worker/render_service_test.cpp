@@ -5,9 +5,11 @@
 #include <atomic>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "base/parallel.h"
 #include "tests/farm/fake_renderer.h"
 
 namespace tessera {
@@ -101,6 +103,50 @@ TEST(RenderService, BuildsAndSaysWhyItCouldNot) {
   EXPECT_EQ(outcomes[2].cause, v1::SceneFailed::OUT_OF_RESOURCES);
   EXPECT_FALSE(outcomes[3].renderer);
   EXPECT_NE(outcomes[3].failure, "");
+}
+
+TEST(RenderService, DropsABuildAndBeginsTheNext) {
+  Waiter waiter;
+  std::atomic<int> pieces{0};
+  const auto factory = [&](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
+                           int) -> std::shared_ptr<const TileRenderer> {
+    // Without end, unless it is dropped.
+    if (frame.seed() == 1) for_each_parallel(size_t{1} << 40, 1, [&](size_t) { ++pieces; });
+    return std::make_shared<FakeRenderer>(frame.seed());
+  };
+  RenderService service(factory, 1, [&] { waiter.wake(); });
+  const auto dropped = std::make_shared<std::atomic<bool>>(false);
+  for (const uint32_t seed : {1u, 2u}) {
+    auto run = std::make_shared<BuildRun>();
+    run->job = seed;
+    run->frame.set_seed(seed);
+    if (seed == 1) run->dropped = dropped;
+    service.build(run);
+  }
+  while (pieces == 0) std::this_thread::yield();
+  *dropped = true;
+  waiter.wait();
+  const auto first = service.take_built();
+  EXPECT_TRUE(first->dropped);
+  EXPECT_FALSE(first->renderer);
+  EXPECT_EQ(first->failure, "");
+  waiter.wait();
+  EXPECT_TRUE(service.take_built()->renderer);
+}
+
+TEST(Trace, DropsWhatIsBuiltWhenItIsHit) {
+  class Building : public TileRenderer {
+    std::optional<TilePixels> render(const RenderTask&, TileProgress&) const override {
+      for_each_parallel(1, 1, [](size_t) {});
+      return TilePixels{};
+    }
+    CounterMap build_counters() const override { return {}; }
+  };
+  const auto run = run_of(std::make_shared<Building>());
+  run->job_dropped = std::make_shared<const std::atomic<bool>>(true);
+  const auto outcome = trace(run);
+  EXPECT_TRUE(outcome.cancelled);
+  EXPECT_EQ(outcome.failure, "");
 }
 
 TEST(Trace, PassesOnWhatATracerThrows) {

@@ -189,5 +189,81 @@ TEST_F(WorkerSessionTest, MapsWhatTheCoordinatorSharesAndFetchesWhatIsNotThere) 
   }
 }
 
+/// Tells of jobs whose scenes refer to blobs, and of their ends.
+class WorkerSessionBuilds : public WorkerSessionTest {
+ protected:
+  std::shared_ptr<const BuildRun> begin(uint64_t job, const std::vector<Digest>& blobs) {
+    v1::Envelope message;
+    v1::JobStart& start = *message.mutable_job_start();
+    start.set_job(job);
+    start.set_frame_id(std::to_string(job));
+    start.set_scene_digest(scene_digest.hex());
+    start.set_scene_size(scene_size);
+    for (const Digest& blob : blobs) {
+      start.add_blobs(blob.hex());
+      start.add_blob_sizes(store.find(blob)->size());
+    }
+    session.on_message(Channel::control, message, Time{0});
+    serve_blobs();
+    const auto builds = wants<StartBuild>();
+    return builds.empty() ? nullptr : builds.back().run;
+  }
+  void end(uint64_t job) {
+    v1::Envelope message;
+    message.mutable_cancel_job()->set_job(job);
+    session.on_message(Channel::control, message, Time{0});
+  }
+
+  const Digest mesh = store.put(std::vector<std::byte>(10, std::byte{1}));
+  const Digest other_mesh = store.put(std::vector<std::byte>(10, std::byte{2}));
+};
+
+TEST_F(WorkerSessionBuilds, ABuildOfAJobThatIsOverIsDropped) {
+  welcome(1);
+  const auto begun = begin(7, {mesh});
+  begun->started = true;
+  const auto waiting = begin(8, {mesh});
+  end(8);
+  EXPECT_TRUE(*waiting->dropped) << "it has not begun";
+  end(7);
+  EXPECT_FALSE(*begun->dropped) << "the next job may need it";
+  EXPECT_EQ(session.next_deadline(), milliseconds(5));
+  session.on_tick(milliseconds(5));
+  EXPECT_TRUE(*begun->dropped);
+  // Nobody is told of it, though its number may have come to mean another job.
+  begin(7, {});
+  wants<SendMessage>();
+  BuildOutcome outcome;
+  outcome.job = 7;
+  outcome.frame_id = "7";
+  outcome.dropped = true;
+  session.on_built(outcome, {});
+  EXPECT_THAT(wants<SendMessage>(), IsEmpty());
+}
+
+TEST_F(WorkerSessionBuilds, ABuildOfTheMeshesThatTheNextJobNeedsGoesOn) {
+  welcome(1);
+  const auto first = begin(7, {mesh});
+  first->started = true;
+  end(7);
+  const auto second = begin(8, {mesh, other_mesh});
+  session.on_tick(milliseconds(5));
+  EXPECT_FALSE(*first->dropped);
+  // It goes on as long as somebody needs it.
+  second->started = true;
+  end(8);
+  begin(9, {other_mesh});
+  EXPECT_TRUE(*first->dropped);
+  EXPECT_TRUE(*second->dropped) << "more than that job needs";
+}
+
+TEST_F(WorkerSessionBuilds, WhoLeavesDropsThem) {
+  welcome(1);
+  const auto run = begin(7, {mesh});
+  run->started = true;
+  session.leave("stopped");
+  EXPECT_TRUE(*run->dropped);
+}
+
 }  // namespace
 }  // namespace tessera

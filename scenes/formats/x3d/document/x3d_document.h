@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,8 +35,9 @@ struct X3dNode {
   std::vector<Child> children;
   std::vector<Is> is;  ///< empty outside of prototypes
   size_t offset = 0;
-  int uses = 1;    ///< the places where it stands
-  int height = 1;  ///< levels of nodes from here down
+  std::optional<size_t> instance{};  ///< of the prototype that it came of: where that stands
+  int uses = 1;                      ///< the places where it stands
+  int height = 1;                    ///< levels of nodes from here down
 
   const X3dField* field(std::string_view name) const;
   /// The last child in that field, or null.

@@ -116,6 +116,7 @@ X3dNode* X3dTree::instantiate(const X3dPrototype& prototype, const X3dNode& give
   Copying copying{prototype, given.offset, X3dGiven(given), {}};
   X3dNode* node = copy(*prototype.body, copying);
   node->def.clear();
+  node->instance = given.offset;
   return node;
 }
 

@@ -198,7 +198,7 @@ TEST_F(FarmMonitorTest, TellsTheTimelineWhileItRunsAndAfter) {
   come(1, 4);
   std::shared_ptr<const FrameTrace> trace;
   const auto ask_trace = [&](uint64_t job, Time now) {
-    monitor.ask_trace(job, 0, [&](auto told) { trace = std::move(told); });
+    monitor.ask([&, job](Coordinator& asked, Time) { trace = asked.trace(job, 0); });
     look(now);
   };
   say("w1", band(assigned().at(0), 1), seconds(2));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "tests/unit/scenes/scene_testing.h"
 
@@ -101,7 +102,44 @@ TEST(SceneCodec, SaysWhereTextIsWrong) {
             "s:1:19: 'time' a second time; expected it once");
   EXPECT_EQ(text_error("settings {\n time: nan }"),
             "s:2:2: settings.time is not finite; expected a finite number");
+  EXPECT_EQ(text_error("nodes {\n name: \"\\377\" }"),
+            "s:2:2: nodes[0].name is not UTF-8; expected text");
+  EXPECT_EQ(text_error("metadata {\n properties { key: \"a\" value: \"\\377\" } }"),
+            "s:2:24: metadata.properties[0].value is not UTF-8; expected text");
+  EXPECT_EQ(text_error("nodes {} [a.b]: 3"), "s:1:10: '['; expected a field's name");
   EXPECT_EQ(text_error("# x\n\xff"), "s:2:1: a byte that is not UTF-8; expected text");
+}
+
+/// The lines of a message up to the first semicolon of each.
+std::vector<std::string> beginnings(const std::string& message) {
+  std::vector<std::string> lines;
+  std::istringstream in(message);
+  for (std::string line; std::getline(in, line);) lines.push_back(line.substr(0, line.find(';')));
+  return lines;
+}
+
+TEST(SceneCodec, TellsAllUnknownFieldsOfATextAndWhatEndsIt) {
+  EXPECT_EQ(beginnings(text_error("cameras { lens { radius: 1 } }\nnodes { shap { box {} } }\n"
+                                  "settings { heigth: [1, 2] time: abc width: x }")),
+            (std::vector<std::string>{
+                "s:1:18: 'radius' is no field of Lens", "s:2:9: 'shap' is no field of Node",
+                "s:3:12: 'heigth' is no field of Settings", "s:3:33: 'abc'"}));
+  // A name that is half typed is one fault.
+  EXPECT_EQ(beginnings(text_error("came\ncameras { }\nnodes { }")).size(), 1u);
+  std::string many;
+  for (int i = 0; i < 100; ++i) many += "wrong" + std::to_string(i) + ": 1\n";
+  const std::vector<std::string> told = beginnings(text_error(many));
+  EXPECT_EQ(told.size(), 21u);
+  EXPECT_EQ(told.back(), "20 errors");
+}
+
+TEST(SceneCodec, TellsAllWrongNamesAndValuesOfJsonAndWhatEndsIt) {
+  EXPECT_EQ(beginnings(json_error(
+                "{\"nodes\": [{\"shap\": {\"box\": [1]}, \"hidden\": 3}],\n"
+                "\"settings\": {\"sampling\": {\"filter\": \"BOXX\"}, \"time\": 1e999},\n]")),
+            (std::vector<std::string>{"s:1:13: 'shap' is no field of Node", "s:1:45: 3",
+                                      "s:2:37: 'BOXX' is no value of filter", "s:2:54: 1e999",
+                                      "s:3:1: ']'"}));
 }
 
 TEST(SceneCodec, SaysWhereJsonIsWrong) {
@@ -239,6 +277,20 @@ TEST(SceneCodec, KeepsLargeBlobsBesideTheFile) {
   EXPECT_NE(error_of([&] { read_scene_file(path, SceneEncoding::text); }).find("no such file"),
             std::string::npos);
   fs::remove_all(folder);
+}
+
+TEST(SceneCodec, AFieldOfALaterVersionIsRefusedWhereverItIs) {
+  v1::Scene scene;
+  EXPECT_TRUE(parse_scene(serialize_scene(scene)));
+  google::protobuf::Message* const shape = scene.add_nodes()->mutable_shape();
+  shape->GetReflection()->MutableUnknownFields(shape)->AddVarint(999, 1);
+  EXPECT_EQ(parse_scene(serialize_scene(scene)), std::nullopt);
+  EXPECT_EQ(error_of([&] { decode_scene(serialize_scene(scene), SceneEncoding::binary, "s"); }),
+            "s: nodes[0].shape has a field 999; expected none of a later version");
+  scene.clear_nodes();
+  scene.GetReflection()->MutableUnknownFields(&scene)->AddVarint(998, 1);
+  EXPECT_EQ(error_of([&] { decode_scene(serialize_scene(scene), SceneEncoding::binary, "s"); }),
+            "s: the scene has a field 998; expected none of a later version");
 }
 
 TEST(SceneCodec, ListsEachReferencedBlobOnce) {

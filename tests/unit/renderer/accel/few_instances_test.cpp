@@ -96,7 +96,7 @@ struct Compared {
 
 /// Expects the same of rows in which the ray is among others.
 void expect_row_as_scan(const InstanceLinearScan& scan, const FewInstances& few, const Ray& ray) {
-  RayRow row;
+  RayBatch row;
   row.begin(ray.t_min, ray.t_max);
   for (int i = 0; i < 9; ++i) {
     const Vec3 way = i % 2 == 0 ? ray.direction : -ray.direction;

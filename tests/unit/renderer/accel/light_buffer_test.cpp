@@ -87,7 +87,7 @@ TEST(LightBuffer, LeavesOutNothingAmongTheSmallestBoxes) {
   for (const double size : {1e-300, 1e-305, 1e-308, 1e-310, 5e-324}) {
     const Bounds3 first{{0, 0, 0}, {size, size, size}};
     const Bounds3 second{{-size, -size, size}, {0, 0, size}};
-    const BoxRow row(std::array{first, second});
+    const BoxSoA row(std::array{first, second});
     for (const Vec3& direction :
          {Vec3{1, 0, 0}, Vec3{0, -1, 0}, normalize(Vec3{1, 2, -3}), normalize(Vec3{1, 1, 1})}) {
       const LightBuffer buffer = LightBuffer::of_direction(row, direction);

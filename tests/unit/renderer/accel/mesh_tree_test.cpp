@@ -104,7 +104,7 @@ TEST(SharedMeshTree, IsTheTreeThatEachWouldBuild) {
 
 TEST(SharedMeshTree, IsBuiltOnceAsLongAsSomebodyHasIt) {
   const auto mesh = std::make_shared<const TriangleMesh>(hills(60));
-  LiveThings live;
+  WeakCache live;
   const SharedTree shared{{.live = &live}, Digest::of("hills")};
   const auto make = [&](const SharedTree& as) {
     return shared_mesh_accelerator(mesh, AcceleratorKind::bvh, 1, as);

@@ -104,23 +104,25 @@ double lens_sigmas(LensShape shape, uint32_t blades, double extent,
 }
 
 TEST(Lens, samples_pass_a_chi_square_test) {  // N28; a false alarm in 300,000 a case
-  constexpr double kPi = std::numbers::pi;
-  const auto circle = [](double x, double y) { return x * x + y * y < 1 ? 1 / kPi : 0; };
+  const auto circle = [](double x, double y) {
+    return x * x + y * y < 1 ? 1 / std::numbers::pi : 0;
+  };
   EXPECT_LT(lens_sigmas(LensShape::circle, 0, 1, circle), kChiSquareAlarm);
   EXPECT_GT(lens_sigmas(LensShape::square, 0, 1, circle), 100) << "it can fail";
   EXPECT_LT(lens_sigmas(LensShape::square, 0, 1, [](double, double) { return 0.25; }),
             kChiSquareAlarm);
-  EXPECT_LT(
-      lens_sigmas(LensShape::gaussian, 0, 4,
-                  [](double x, double y) { return std::exp(-(x * x + y * y) / 2) / (2 * kPi); }),
-      kChiSquareAlarm);
+  EXPECT_LT(lens_sigmas(LensShape::gaussian, 0, 4,
+                        [](double x, double y) {
+                          return std::exp(-(x * x + y * y) / 2) / (2 * std::numbers::pi);
+                        }),
+            kChiSquareAlarm);
   for (const uint32_t blades : {3u, 5u, 6u}) {
     const auto polygon = [&](double x, double y) {
       for (uint32_t k = 0; k < blades; ++k) {
-        const double a = kPi * (1 + (2.0 * k + 1) / blades);
-        if (x * std::cos(a) + y * std::sin(a) > std::cos(kPi / blades)) return 0.0;
+        const double a = std::numbers::pi * (1 + (2.0 * k + 1) / blades);
+        if (x * std::cos(a) + y * std::sin(a) > std::cos(std::numbers::pi / blades)) return 0.0;
       }
-      return 2 / (blades * std::sin(2 * kPi / blades));
+      return 2 / (blades * std::sin(2 * std::numbers::pi / blades));
     };
     EXPECT_LT(lens_sigmas(LensShape::polygon, blades, 1, polygon), kChiSquareAlarm) << blades;
   }

@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <thread>
+
+#include "base/cancellation.h"
 
 namespace tessera {
 namespace {
@@ -80,6 +85,28 @@ TEST(Denoiser, without_variance_nothing_changes) {
   const std::string before = film.pixels_sha256();
   denoise(film, 1);
   EXPECT_EQ(film.pixels_sha256(), before);
+}
+
+TEST(Denoiser, leaves_the_film_as_it_was_where_it_is_ended) {
+  Film film = noisy_film(0.1, [](int, int) { return 0.5; });
+  const std::string before = film.pixels_sha256();
+  bool was_ended = true;
+  // Later each time, so that some rows are smooth by then, until it comes too late.
+  for (std::chrono::microseconds delay{0}; was_ended; delay += std::chrono::microseconds(200)) {
+    std::atomic<bool> flag = false;
+    const std::jthread ends_it([&] {
+      std::this_thread::sleep_for(delay);
+      flag = true;
+    });
+    const Cancellation cancellation(&flag);
+    try {
+      denoise(film, 1);
+      was_ended = false;
+    } catch (const WorkCancelled&) {
+      ASSERT_EQ(film.pixels_sha256(), before) << "after " << delay.count() << " us";
+    }
+  }
+  EXPECT_NE(film.pixels_sha256(), before);
 }
 
 TEST(Denoiser, noise_goes_and_light_stays) {

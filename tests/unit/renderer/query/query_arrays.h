@@ -21,7 +21,7 @@ struct OwnedRays {
     directions.insert(directions.end(), {d.x, d.y, d.z});
   }
   size_t count() const { return origins.size() / 3; }
-  RayBatch batch() const { return {count(), {origins.data()}, {directions.data()}}; }
+  RayArrays batch() const { return {count(), {origins.data()}, {directions.data()}}; }
 };
 
 /// Hits that own their arrays.
@@ -35,12 +35,12 @@ struct OwnedHits {
   friend bool operator==(const OwnedHits&, const OwnedHits&) = default;
 };
 
-inline OwnedHits closest(const RayQueries& queries, const RayBatch& rays, int threads = 1) {
+inline OwnedHits closest(const RayQueries& queries, const RayArrays& rays, int threads = 1) {
   OwnedHits hits(rays.count);
   EXPECT_TRUE(queries.closest_hits(rays, hits.arrays(), {.threads = threads}));
   return hits;
 }
-inline std::vector<int32_t> crossings(const RayQueries& queries, const RayBatch& rays) {
+inline std::vector<int32_t> crossings(const RayQueries& queries, const RayArrays& rays) {
   std::vector<int32_t> numbers(rays.count);
   EXPECT_TRUE(queries.crossings(rays, numbers.data()));
   return numbers;

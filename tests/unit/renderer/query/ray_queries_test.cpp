@@ -1,11 +1,13 @@
 #include "renderer/query/ray_queries.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <tuple>
 
 #include "base/error.h"
 #include "renderer/accel/make_accelerator.h"
+#include "renderer/query/each_ray.h"
 #include "renderer/shapes/triangle.h"
 #include "tests/unit/renderer/query/query_arrays.h"
 
@@ -13,6 +15,17 @@ namespace tessera {
 namespace {
 
 constexpr double kInf = Bounds3::kInfinity;
+
+TEST(RayQueries, LooksForAnEndEveryFewRays) {
+  std::atomic<bool> cancelled{false};
+  size_t traced = 0;
+  EXPECT_FALSE(for_each_chunk(100'000, {.threads = 1, .cancelled = &cancelled},
+                              [&](size_t begin, size_t end) {
+                                traced += end - begin;
+                                cancelled = true;
+                              }));
+  EXPECT_LE(traced, 64U);
+}
 
 /// 1,000 triangles, of which some are there twice and one has no area.
 MeshText soup() {
@@ -172,7 +185,7 @@ TEST(RayQueries, CullTakesOneSide) {
   const RayQueries queries = queries_of("nodes { shape { sphere { radius: 1 } } }");
   OwnedRays rays;
   rays.add({0, 0, 5}, {0, 0, -1});
-  RayBatch batch = rays.batch();
+  RayArrays batch = rays.batch();
   batch.cull = Cull::back;
   EXPECT_EQ(closest(queries, batch).t[0], 4);
   batch.cull = Cull::front;
@@ -183,7 +196,7 @@ TEST(RayQueries, StretchesAndStridesAreThoseOfTheCaller) {
   const RayQueries queries = queries_of("nodes { shape { sphere { radius: 1 } } }");
   const double origin[] = {0, 0, 5}, directions[] = {0, 0, -1, 9, 0, 0, -2, 9};
   const double t_min[] = {4, 0}, t_max[] = {7, 2};
-  RayBatch rays{2, {origin, 0}, {directions, 4 * sizeof(double)}, {t_min}, {t_max}};
+  RayArrays rays{2, {origin, 0}, {directions, 4 * sizeof(double)}, {t_min}, {t_max}};
   const OwnedHits hits = closest(queries, rays);
   EXPECT_EQ(hits.t, (std::vector<double>{6, kInf}));  // t_min and t_max themselves are outside
   EXPECT_EQ(hits.instance, (std::vector<uint32_t>{0, kNoInstance}));
@@ -215,7 +228,7 @@ TEST(RayQueries, WrongNumbersAreTold) {
   const RayQueries queries = queries_of("nodes { shape { sphere { radius: 1 } } }");
   OwnedRays rays;
   rays.add({0, 0, 5}, {0, 0, -1});
-  RayBatch batch = rays.batch();
+  RayArrays batch = rays.batch();
   batch.t_min.otherwise = -1;
   OwnedHits hits(1);
   EXPECT_THROW(queries.closest_hits(batch, hits.arrays()), Error);

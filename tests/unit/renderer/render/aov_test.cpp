@@ -10,7 +10,7 @@ namespace tessera {
 namespace {
 
 // A unit sphere 10 m before a camera that looks along -z, on the left of a plane's edge.
-constexpr char kBall[] = R"(
+constexpr char kAovBall[] = R"(
   cameras { world_from_camera { steps { translate { z: 10 } } } orthographic { min_x: -2 min_y: -2 max_x: 2 max_y: 2 } }
   background { solid { r: .25 g: .5 b: 1 } }
   materials { name: 'red' classic { diffuse { value { r: .75 g: .25 b: .125 } } } }
@@ -25,7 +25,7 @@ v1::FrameSettings frame_with(AovSet aovs, uint32_t samples = 1) {
   return frame;
 }
 
-TilePixels render(const v1::FrameSettings& frame, const char* text = kBall) {
+TilePixels render(const v1::FrameSettings& frame, const char* text = kAovBall) {
   const auto renderer = make_tile_renderer(parse_scene(text), {}, frame, 1);
   return render_rect(*renderer, {0, 0, 40, 40}, frame.samples_per_pixel());
 }
@@ -45,10 +45,10 @@ TEST(AovSet, channels_are_in_one_order_whoever_asks) {
                                                             "albedo.B", "Z", "samples"}));
   EXPECT_EQ(some.first_channel(Aov::depth), 6);
   EXPECT_EQ(some.channels(), 8);
-  EXPECT_EQ(AovSet::all().channels(), 18);
+  EXPECT_EQ(AovSet::all().channels(), 27);
   EXPECT_EQ(AovSet().channels(), kFilmChannels);
-  EXPECT_FALSE(AovSet::knows(1u << 7));
-  EXPECT_TRUE(AovSet::knows((1u << 7) - 1));
+  EXPECT_FALSE(AovSet::knows(1u << 9));
+  EXPECT_TRUE(AovSet::knows((1u << 9) - 1));
 }
 
 TEST(Aovs, a_sphere_is_where_it_is) {
@@ -149,6 +149,58 @@ TEST(Aovs, what_is_of_one_ray_costs_one_ray) {
   EXPECT_EQ(rays(AovSet().with(Aov::variance).with(Aov::samples)), 0u);
 }
 
+// From left to right: a ball with a bite of another, a box that an object is, and one of two
+// triangles, before which one without an area stands. The numbers of nodes are behind them.
+constexpr char kOrigins[] = R"(
+  cameras { world_from_camera { steps { translate { z: 10 } } } orthographic { min_x: -2 min_y: -2 max_x: 2 max_y: 2 } }
+  nodes { hidden: true }                                                                        # 1
+  nodes {                                                                                       # 2
+    transform { steps { translate { x: -1 } } }
+    children {                                                                                  # 3
+      shape { csg { operation: DIFFERENCE
+        operands { shape { sphere { radius: .5 } } }                                            # 4
+        operands { children { transform { steps { translate { z: .5 } } }                       # 5, 6
+                              shape { sphere { radius: .25 } } } } } }
+      children { transform { steps { translate { z: -9 } } } shape { sphere { radius: .1 } } }  # 7
+    } }
+  nodes { transform { steps { translate { x: 1 } } } instance_of: 'pair' }                      # 8
+  nodes { shape { mesh {                                                                        # 9
+    inline_positions: [-.5, -2, 0, .5, -2, 0, .5, -1, 0, -.5, -1, 0]
+    inline_triangles: [0, 0, 1, 0, 1, 2, 0, 2, 3] } } }
+  objects { name: 'pair' nodes { children { shape { box { min { x: -.5 y: -.5 z: -.5 } max { x: .5 y: .5 z: .5 } } } } } }
+)";
+
+TEST(Aovs, an_origin_is_the_way_through_the_nodes_of_the_description) {
+  const AovSet aovs = AovSet().with(Aov::origin).with(Aov::primitive).with(Aov::id);
+  v1::FrameSettings frame = frame_with(aovs);
+  using Numbers = std::vector<float>;
+  for (const char* accelerator : {"bvh", "octree", "linear"}) {
+    frame.set_accelerator(accelerator);
+    const TilePixels tile = render(frame, kOrigins);
+    const auto origin = [&](int x, int y) { return at(tile, aovs, Aov::origin, x, y); };
+    const auto primitive = [&](int x, int y) { return at(tile, aovs, Aov::primitive, x, y)[0]; };
+    EXPECT_EQ(origin(6, 20), (Numbers{4, 3, 2, 0, 0, 0, 0, 0})) << "the ball";
+    EXPECT_EQ(primitive(6, 20), 1);
+    EXPECT_EQ(origin(10, 20), (Numbers{6, 5, 3, 2, 0, 0, 0, 0})) << "the bite";
+    EXPECT_EQ(primitive(10, 20), 2);
+    EXPECT_EQ(origin(30, 20), (Numbers{11, 10, 8, 0, 0, 0, 0, 0})) << "through an instance";
+    EXPECT_EQ(origin(22, 38), (Numbers{9, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(primitive(22, 38), 2) << "its row in the description";
+    EXPECT_EQ(primitive(18, 31), 3);
+    EXPECT_EQ(origin(0, 0), Numbers(8)) << "nothing";
+    EXPECT_EQ(primitive(0, 0), 0);
+  }
+}
+
+TEST(Aovs, an_origin_ends_with_the_eighth_node) {
+  std::string text = "shape { sphere {} }";
+  for (int i = 0; i < 10; ++i) text = "children { " + text + " }";
+  text = "cameras { world_from_camera { steps { translate { z: 10 } } } } nodes { " + text + " }";
+  const AovSet aovs = AovSet().with(Aov::origin);
+  const TilePixels tile = render(frame_with(aovs), text.c_str());
+  EXPECT_EQ(at(tile, aovs, Aov::origin, 20, 20), (std::vector<float>{11, 10, 9, 8, 7, 6, 5, 4}));
+}
+
 TEST(Aovs, depth_position_and_id_are_those_of_the_first_sample) {
   const AovSet all = AovSet::all();
   v1::FrameSettings frame = frame_with(all, 1);
@@ -159,7 +211,7 @@ TEST(Aovs, depth_position_and_id_are_those_of_the_first_sample) {
   int edges = 0;
   for (int y = 0; y < 40; ++y) {
     for (int x = 0; x < 40; ++x) {
-      for (const Aov aov : {Aov::depth, Aov::position, Aov::id}) {
+      for (const Aov aov : {Aov::depth, Aov::position, Aov::id, Aov::origin, Aov::primitive}) {
         ASSERT_EQ(at(one, all, aov, x, y), at(many, all, aov, x, y)) << x << ' ' << y;
       }
       edges += at(one, all, Aov::albedo, x, y) != at(many, all, Aov::albedo, x, y);
@@ -170,11 +222,11 @@ TEST(Aovs, depth_position_and_id_are_those_of_the_first_sample) {
 
 TEST(Aovs, pixels_past_everything_are_as_the_renderer_says_of_them) {
   const v1::FrameSettings frame = frame_with(AovSet::all(), 4);
-  const auto renderer = make_tile_renderer(parse_scene(kBall), {}, frame, 1);
+  const auto renderer = make_tile_renderer(parse_scene(kAovBall), {}, frame, 1);
   const auto unseen = renderer->unseen(4);
   ASSERT_TRUE(unseen);
   EXPECT_EQ(render_rect(*renderer, {0, 0, 1, 1}, 4).values, unseen->one_pixel.values);
-  EXPECT_EQ(unseen->one_pixel.values.size(), 18u);
+  EXPECT_EQ(unseen->one_pixel.values.size(), 27u);
 }
 
 TEST(SampleSum, variance_is_that_of_a_mean) {

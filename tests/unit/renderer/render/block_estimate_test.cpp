@@ -243,7 +243,7 @@ bool takes_its_time() { return seeds() > kFewSeeds; }
 /// Per cent of the intervals: 95, give or take 2.
 constexpr double kLeastCovered = 93, kMostCovered = 97;
 
-/// At one number of samples it drifts further: docs/sampling.md says where and why.
+/// At one number of samples it drifts further: docs/notes/sampling_measured.md says where and why.
 constexpr double kLeastCoveredAtOnce = 90, kMostCoveredAtOnce = 98;
 /// Four standard deviations, were all pixels of all seeds independent.
 double by_chance(const Calibration& of) { return 4 * 100 * std::sqrt(0.95 * 0.05 / of.pixels); }

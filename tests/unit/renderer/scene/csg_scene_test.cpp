@@ -75,7 +75,7 @@ TEST(CsgScene, what_is_hidden_or_flat_is_not_there) {
   EXPECT_EQ(middle_of(csg("UNION", {})), '.');
 }
 
-std::string complaint(const std::string& nodes) {
+std::string csg_complaint(const std::string& nodes) {
   return error_of([&] { build_scene(parse_scene(kLook + nodes), {}, frame_of(3, 3), 1); });
 }
 
@@ -103,13 +103,13 @@ TEST(CsgScene, lets_through_what_the_vertices_of_its_parts_do) {
 
 TEST(CsgScene, refuses_what_has_no_inside) {
   EXPECT_NE(
-      complaint("nodes { " + csg("UNION", {ball("a", 1), "name: 'd' shape { disc {} }"}) + " }")
+      csg_complaint("nodes { " + csg("UNION", {ball("a", 1), "name: 'd' shape { disc {} }"}) + " }")
           .find("operand 'd': a CSG operand is a surface without an inside"),
       std::string::npos);
-  EXPECT_NE(complaint("nodes { " + csg("UNION", {"instance_of: 'x'"}) + " }").find("'x'"),
+  EXPECT_NE(csg_complaint("nodes { " + csg("UNION", {"instance_of: 'x'"}) + " }").find("'x'"),
             std::string::npos);
   const std::string loop = csg("UNION", {"instance_of: 'o'"});
-  EXPECT_NE(complaint("objects { name: 'o' nodes { " + loop + " } } nodes { " + loop + " }")
+  EXPECT_NE(csg_complaint("objects { name: 'o' nodes { " + loop + " } } nodes { " + loop + " }")
                 .find("without a cycle"),
             std::string::npos);
 }

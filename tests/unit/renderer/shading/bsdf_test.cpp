@@ -14,24 +14,22 @@
 namespace tessera {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-struct Case {
+struct BsdfCase {
   std::string name;
   Material material;
   bool from_inside = false;
 };
 
-Case classic(const std::string& name, const Color& diffuse, const Color& specular) {
-  Case result{name, {}};
+BsdfCase classic(const std::string& name, const Color& diffuse, const Color& specular) {
+  BsdfCase result{name, {}};
   result.material.diffuse = diffuse;
   result.material.specular = specular;
   return result;
 }
 
-Case physical(const std::string& name, double metallic, double roughness, double clearcoat = 0,
-              double transmission = 0) {
-  Case result{name, {}};
+BsdfCase physical(const std::string& name, double metallic, double roughness, double clearcoat = 0,
+                  double transmission = 0) {
+  BsdfCase result{name, {}};
   result.material.model = MaterialModel::physical;
   result.material.diffuse = {0.9, 0.7, 0.5};
   result.material.metallic = metallic;
@@ -44,14 +42,14 @@ Case physical(const std::string& name, double metallic, double roughness, double
 }
 
 /// Black but for its coat.
-Case coal() {
-  Case result = physical("coal", 1, 0.7, 1);
+BsdfCase coal() {
+  BsdfCase result = physical("coal", 1, 0.7, 1);
   result.material.diffuse = kBlack;
   return result;
 }
 
-Case glass(const std::string& name, double roughness, bool from_inside) {
-  Case result{name, {}, from_inside};
+BsdfCase glass(const std::string& name, double roughness, bool from_inside) {
+  BsdfCase result{name, {}, from_inside};
   result.material.model = MaterialModel::dielectric;
   result.material.transparency = 1;
   result.material.roughness = roughness;
@@ -60,25 +58,25 @@ Case glass(const std::string& name, double roughness, bool from_inside) {
 }
 
 /// With what goes on between its facets.
-Case whole(Case c) {
+BsdfCase whole(BsdfCase c) {
   static const GlassAlbedo albedo(1.5);
   c.material.glass_albedo = &albedo;
   return c;
 }
 
-Case seen_from_inside(Case c) {
+BsdfCase seen_from_inside(BsdfCase c) {
   c.from_inside = true;
   return c;
 }
 
-Case sheet(Case c) {
+BsdfCase sheet(BsdfCase c) {
   c.material.thin = true;
   c.name += ", a sheet";
   return c;
 }
 
-Case gold(double roughness) {
-  Case result{"gold", {}};
+BsdfCase gold(double roughness) {
+  BsdfCase result{"gold", {}};
   result.material.model = MaterialModel::conductor;
   result.material.eta = {0.14, 0.37, 1.44};
   result.material.k = {3.98, 2.38, 1.6};
@@ -87,7 +85,7 @@ Case gold(double roughness) {
 }
 
 /// Those that scatter over an area, as sampling by a density can show.
-std::vector<Case> smooth_cases() {
+std::vector<BsdfCase> smooth_cases() {
   return {classic("lambert", {0.8, 0.5, 0.2}, kBlack),
           classic("highlight", {0.4, 0.3, 0.2}, {0.5, 0.5, 0.5}),
           physical("metal", 1, 0.3),
@@ -111,12 +109,12 @@ std::vector<Case> smooth_cases() {
           whole(seen_from_inside(physical("the same from inside", 0, 0.6, 1, 0.8)))};
 }
 
-Bsdf bsdf_of(const Case& c, const Vec3& wo) {
+Bsdf bsdf_of(const BsdfCase& c, const Vec3& wo) {
   return Bsdf({c.material, c.material.diffuse, {0, 0, 1}, {0, 0, 1}, wo, c.from_inside});
 }
 
 Vec3 at_angle(double degrees) {
-  const double angle = degrees * kPi / 180;
+  const double angle = degrees * std::numbers::pi / 180;
   return {std::sin(angle), 0, std::cos(angle)};
 }
 
@@ -138,7 +136,7 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
   const bool full = std::getenv("TESSERA_NUMERICS_FULL") != nullptr;
   const int rows = full ? 101 : 24, columns = rows, fine = full ? 8 : 20;
   const int count = full ? 1000000 : 60000;
-  for (const Case& c : smooth_cases()) {
+  for (const BsdfCase& c : smooth_cases()) {
     for (const double degrees : {10.0, 60.0, 80.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
       const Bsdf bsdf = bsdf_of(c, at_angle(degrees));
@@ -148,9 +146,10 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
       for (int row = 0; row < rows * fine; ++row) {
         for (int column = 0; column < columns * fine; ++column) {
           const double z = 2 * (row + 0.5) / (rows * fine) - 1;
-          const double phi = 2 * kPi * (column + 0.5) / (columns * fine), r = std::sqrt(1 - z * z);
+          const double phi = 2 * std::numbers::pi * (column + 0.5) / (columns * fine),
+                       r = std::sqrt(1 - z * z);
           const double p = bsdf.evaluate({r * std::cos(phi), r * std::sin(phi), z}).density *
-                           (4 * kPi / (rows * columns * fine * fine));
+                           (4 * std::numbers::pi / (rows * columns * fine * fine));
           expected[(row / fine) * columns + column / fine] += p * count;
           total += p;
         }
@@ -173,8 +172,9 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
         ASSERT_NEAR(value.share.r, sample.weight.r * sample.density, 1e-6 * (value.share.r + 1e-6));
         const int row = std::min(static_cast<int>((sample.wi.z + 1) / 2 * rows), rows - 1);
         double phi = std::atan2(sample.wi.y, sample.wi.x);
-        if (phi < 0) phi += 2 * kPi;
-        const int column = std::min(static_cast<int>(phi / (2 * kPi) * columns), columns - 1);
+        if (phi < 0) phi += 2 * std::numbers::pi;
+        const int column =
+            std::min(static_cast<int>(phi / (2 * std::numbers::pi) * columns), columns - 1);
         ++found[row * columns + column];
       }
       // Within 4.5 deviations of what ended, and .004 for the rule of mid-points.
@@ -207,7 +207,7 @@ TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
 }
 
 TEST(Bsdf, GivesBackNoMoreThanItGets) {
-  for (const Case& c : smooth_cases()) {
+  for (const BsdfCase& c : smooth_cases()) {
     for (const double degrees : {0.0, 45.0, 70.0, 85.0, 89.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
       EXPECT_LE(max_component(albedo(bsdf_of(c, at_angle(degrees)))), 1.004);
@@ -216,8 +216,8 @@ TEST(Bsdf, GivesBackNoMoreThanItGets) {
 }
 
 /// All that its facets get, at any angle.
-Case silver(double roughness) {
-  Case result{"silver", {}};
+BsdfCase silver(double roughness) {
+  BsdfCase result{"silver", {}};
   result.material.model = MaterialModel::conductor;
   result.material.eta = kWhite * 1e-9;
   result.material.k = kWhite * 3;
@@ -225,41 +225,41 @@ Case silver(double roughness) {
   return result;
 }
 
-Case coat_of(double roughness, Case c) {
+BsdfCase coat_of(double roughness, BsdfCase c) {
   c.material.clearcoat_roughness = roughness;
   return c;
 }
 
-Case shininess(double value, Case c) {
+BsdfCase shininess(double value, BsdfCase c) {
   c.material.shininess = value;
   return c;
 }
 
 TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {  // N30
-  std::vector<Case> cases = {physical("metal", 1, 0.3),
-                             physical("rougher metal", 1, 0.6),
-                             physical("rough metal", 1, 1),
-                             physical("plastic", 0, 0.4),
-                             physical("varnish", 0, 0),
-                             classic("lambert", kWhite, kBlack),
-                             physical("frosted", 0, 0, 0, 1),
-                             silver(0),
-                             silver(0.4),
-                             silver(0.9),
-                             sheet(glass("glass", 0, false)),
-                             sheet(glass("rough glass", 0.5, false)),
-                             sheet(glass("the roughest glass", 1, false)),
-                             sheet(physical("partly frosted", 0.4, 0.6, 0, 0.6)),
-                             glass("glass", 0, false),
-                             glass("glass from inside", 0, true),
-                             whole(glass("rough glass", 0.5, false)),
-                             whole(glass("rough glass from inside", 0.5, true)),
-                             whole(glass("the roughest", 1, false)),
-                             whole(glass("from inside", 1, true)),
-                             physical("smooth half metal", 0.5, 0),
-                             physical("half metal", 0.5, 0.5),
-                             physical("rough half metal", 0.3, 1),
-                             whole(physical("partly metal and glass", 0.4, 0.5, 0, 0.6))};
+  std::vector<BsdfCase> cases = {physical("metal", 1, 0.3),
+                                 physical("rougher metal", 1, 0.6),
+                                 physical("rough metal", 1, 1),
+                                 physical("plastic", 0, 0.4),
+                                 physical("varnish", 0, 0),
+                                 classic("lambert", kWhite, kBlack),
+                                 physical("frosted", 0, 0, 0, 1),
+                                 silver(0),
+                                 silver(0.4),
+                                 silver(0.9),
+                                 sheet(glass("glass", 0, false)),
+                                 sheet(glass("rough glass", 0.5, false)),
+                                 sheet(glass("the roughest glass", 1, false)),
+                                 sheet(physical("partly frosted", 0.4, 0.6, 0, 0.6)),
+                                 glass("glass", 0, false),
+                                 glass("glass from inside", 0, true),
+                                 whole(glass("rough glass", 0.5, false)),
+                                 whole(glass("rough glass from inside", 0.5, true)),
+                                 whole(glass("the roughest", 1, false)),
+                                 whole(glass("from inside", 1, true)),
+                                 physical("smooth half metal", 0.5, 0),
+                                 physical("half metal", 0.5, 0.5),
+                                 physical("rough half metal", 0.3, 1),
+                                 whole(physical("partly metal and glass", 0.4, 0.5, 0, 0.6))};
   for (const double coat : {0.0, 0.4}) {
     const std::string under = " under a coat of " + std::to_string(coat);
     const auto add = [&](double metallic, double roughness, double share) {
@@ -284,7 +284,7 @@ TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {  // N30
     cases.push_back(shininess(exponent, classic("highlight" + name, kWhite * 0.6, kWhite * 0.4)));
     cases.push_back(shininess(exponent, classic("too much" + name, kWhite, kWhite)));
   }
-  for (Case c : cases) {
+  for (BsdfCase c : cases) {
     if (c.material.model != MaterialModel::classic) c.material.diffuse = kWhite;
     for (const double degrees : {0.0, 30.0, 60.0, 80.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
@@ -302,8 +302,8 @@ TEST(Bsdf, WhiteOnesGiveBackAllTheyGet) {  // N30
 
 TEST(Bsdf, ColoursAboveOneAreScaledDown) {
   const Color bright{3, 1.5, 0.6}, bounded{1, 0.5, 0.2};
-  for (Case c : {classic("lambert", kBlack, kBlack), physical("metal", 1, 0.5),
-                 physical("plastic", 0, 0.5), physical("glass", 0, 0, 0, 1)}) {
+  for (BsdfCase c : {classic("lambert", kBlack, kBlack), physical("metal", 1, 0.5),
+                     physical("plastic", 0, 0.5), physical("glass", 0, 0, 0, 1)}) {
     SCOPED_TRACE(c.name);
     c.material.diffuse = bounded;
     const Color expected = albedo(bsdf_of(c, at_angle(40)), 64);
@@ -315,13 +315,13 @@ TEST(Bsdf, ColoursAboveOneAreScaledDown) {
 }
 
 TEST(Bsdf, IsTheSameFromEitherEnd) {
-  for (const Case& c : smooth_cases()) {
+  for (const BsdfCase& c : smooth_cases()) {
     for (const Vec3& a : {at_angle(20), at_angle(75)}) {
       for (Vec3 b : {normalize(Vec3{0.3, 0.7, 0.4}), normalize(Vec3{-0.8, 0.1, 0.2}),
                      normalize(Vec3{-0.2, 0.3, -0.9})}) {
         SCOPED_TRACE(c.name);
         const Color there = bsdf_of(c, a).evaluate(b).share * (1 / std::abs(b.z));
-        Case turned = c;
+        BsdfCase turned = c;
         Vec3 from = b, to = a;
         double scale = 1;
         if (b.z < 0) {  // seen from beyond, where radiance is denser by eta^2
@@ -340,14 +340,14 @@ TEST(Bsdf, IsTheSameFromEitherEnd) {
 }
 
 TEST(Bsdf, RoughGlassThatBendsNothingIsNotSeen) {
-  Case c = glass("air", 0.3, false);
+  BsdfCase c = glass("air", 0.3, false);
   c.material.refractive_index = 1;
   EXPECT_NEAR(albedo(bsdf_of(c, at_angle(40))).g, 1, 1e-9);
 }
 
 TEST(Bsdf, WhatIsNoNumberReachesNoTable) {
   const double nan = std::nan("");
-  for (const Case& c : smooth_cases()) {
+  for (const BsdfCase& c : smooth_cases()) {
     const BsdfValue value = bsdf_of(c, at_angle(30)).evaluate({nan, nan, nan});
     EXPECT_TRUE(std::isnan(value.share.g) || value.share.g == 0) << c.name;
   }
@@ -355,7 +355,7 @@ TEST(Bsdf, WhatIsNoNumberReachesNoTable) {
 
 TEST(Bsdf, RadianceIsDenserInGlass) {
   for (const bool from_inside : {false, true}) {
-    const Case c = glass("glass", 0, from_inside);
+    const BsdfCase c = glass("glass", 0, from_inside);
     BsdfSample sample;
     ASSERT_TRUE(bsdf_of(c, at_angle(20)).sample(0.99, {0.5, 0.5}, sample));
     ASSERT_TRUE(sample.is_beyond);
@@ -369,7 +369,7 @@ TEST(Bsdf, LambertAloneHasTheBitsOfTheGeneralOne) {
   for (const Color& diffuse : {Color{0.8, 0.5, 0.2}, Color{1.5, 0.7, 0.3}}) {
     // The last is turned away from the viewer.
     for (const Vec3& n : {facet, normalize(Vec3{0.2, -0.1, 1}), normalize(Vec3{-1, 0.1, 0.3})}) {
-      const Case c = classic("lambert", diffuse, kBlack);
+      const BsdfCase c = classic("lambert", diffuse, kBlack);
       const BsdfPoint point{c.material, diffuse, n, facet, wo, false};
       BsdfSample a, b;
       for (const Vec2& u : {Vec2{0.1, 0.2}, Vec2{0.7, 0.4}, Vec2{0.4, 0.95}}) {

@@ -14,8 +14,6 @@
 namespace tessera {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Background daylight(const Vec3& to_sun) {
   Background background;
   background.kind = BackgroundKind::sun_and_sky;
@@ -75,12 +73,12 @@ double irradiance(const Background& background, const Vec3& n) {
   for (int i = 0; i < kSide; ++i) {
     const double z = 2 * (i + 0.5) / kSide - 1, r = std::sqrt(1 - z * z);
     for (int j = 0; j < 2 * kSide; ++j) {
-      const double phi = 2 * kPi * (j + 0.5) / (2 * kSide);
+      const double phi = 2 * std::numbers::pi * (j + 0.5) / (2 * kSide);
       const Vec3 d{r * std::cos(phi), r * std::sin(phi), z};
       if (dot(d, n) > 0) sum += background.radiance({}, d, {}).g * dot(d, n);
     }
   }
-  return sum * 4 * kPi / (2.0 * kSide * kSide);
+  return sum * 4 * std::numbers::pi / (2.0 * kSide * kSide);
 }
 
 struct Estimate {
@@ -91,7 +89,7 @@ struct Estimate {
 /// leaves to others.
 Estimate estimate(const Background& background, const Vec3& n) {
   const auto sampler = make_environment_sampler(background);
-  constexpr double kEvenly = 1 / (4 * kPi);
+  constexpr double kEvenly = 1 / (4 * std::numbers::pi);
   UniformNumbers random(7);
   const auto light = [&](const Vec3& d, double density) {
     if (!(density > 0) || !(dot(d, n) > 0)) return 0.0;
@@ -170,10 +168,11 @@ double direction_sigmas(const EnvironmentSampler& sampler, const Vec3& to_sun, d
   for (int row = 0; row < kRows * kFine; ++row) {
     const double z = 1 - 2 * (row + 0.5) / (kRows * kFine), r = std::sqrt(1 - z * z);
     for (int column = 0; column < kColumns * kFine; ++column) {
-      const double phi = 2 * kPi * (column + 0.5) / (kColumns * kFine);
+      const double phi = 2 * std::numbers::pi * (column + 0.5) / (kColumns * kFine);
       const Vec3 d{r * std::cos(phi), r * std::sin(phi), z};
       if (is_sun(d)) continue;
-      const double share = sampler.density(d) * 4 * kPi / (kRows * kColumns * kFine * kFine);
+      const double share =
+          sampler.density(d) * 4 * std::numbers::pi / (kRows * kColumns * kFine * kFine);
       const int cell = row / kFine * kColumns + column / kFine;
       expected[static_cast<size_t>(cell)] += share * kCount;
       total += share;
@@ -184,7 +183,7 @@ double direction_sigmas(const EnvironmentSampler& sampler, const Vec3& to_sun, d
   for (int i = 0; i < kCount; ++i) {
     const double x = random(), y = random();
     const Vec3 d = sampler.sample({x, y}).wi;
-    const double turn = std::atan2(d.y, d.x) / (2 * kPi);
+    const double turn = std::atan2(d.y, d.x) / (2 * std::numbers::pi);
     const int row = std::clamp(static_cast<int>((1 - d.z) / 2 * kRows), 0, kRows - 1);
     const int column =
         std::clamp(static_cast<int>((turn < 0 ? turn + 1 : turn) * kColumns), 0, kColumns - 1);
@@ -219,7 +218,7 @@ TEST(Sky, SunIsFilledEvenly) {  // N28
   const Vec3 to_sun = normalize(Vec3{0.4, 0.6, -0.3});
   const Sky sky(to_sun, 3, 1, kBlack);
   constexpr int kCells = 16, kCount = 50000;
-  const double one_minus_cosine = 1 / (2 * kPi * Sky::sun_density());
+  const double one_minus_cosine = 1 / (2 * std::numbers::pi * Sky::sun_density());
   std::vector<double> found(kCells * kCells + 1), expected(found.size());
   std::fill(expected.begin(), expected.end() - 1, double{kCount} / (kCells * kCells));
   UniformNumbers random(28);
@@ -229,7 +228,7 @@ TEST(Sky, SunIsFilledEvenly) {  // N28
     const Vec3 d = sky.sample_sun({x, y}), local = frame.to_local(d);
     EXPECT_TRUE(sky.is_sun(d));
     const double out = (local.x * local.x + local.y * local.y) / (1 + local.z) / one_minus_cosine;
-    const double turn = std::atan2(local.y, local.x) / (2 * kPi);
+    const double turn = std::atan2(local.y, local.x) / (2 * std::numbers::pi);
     const int row = std::clamp(static_cast<int>(out * kCells), 0, kCells);
     const int column =
         std::clamp(static_cast<int>((turn < 0 ? turn + 1 : turn) * kCells), 0, kCells - 1);

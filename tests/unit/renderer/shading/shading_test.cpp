@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadiansOfDegree = std::numbers::pi / 180;
 
 TEST(Fresnel, of_glass) {
   EXPECT_NEAR(fresnel_dielectric(1, 1.5), 0.04, 1e-15);
@@ -18,7 +18,7 @@ TEST(Fresnel, of_glass) {
   EXPECT_EQ(fresnel_dielectric(0, 1.5), 1);
   EXPECT_NEAR(fresnel_dielectric(0.3, 1), 0, 1e-30);
   // At Brewster's angle the parallel part is gone: what is left is half of the other.
-  const double brewster = 56.3099324740202 * kDegree;
+  const double brewster = 56.3099324740202 * kRadiansOfDegree;
   EXPECT_NEAR(brewster, std::atan(1.5), 1e-12);
   const double perpendicular = (std::cos(brewster) - 1.5 * std::sin(brewster)) /
                                (std::cos(brewster) + 1.5 * std::sin(brewster));
@@ -27,7 +27,7 @@ TEST(Fresnel, of_glass) {
 }
 
 TEST(Fresnel, total_reflection_beyond_the_critical_angle) {
-  const double critical = 41.8103148957786 * kDegree;
+  const double critical = 41.8103148957786 * kRadiansOfDegree;
   Vec3 out;
   const auto goes_out = [&](double angle) {
     return refract({std::sin(angle), 0, -std::cos(angle)}, {0, 0, 1}, 1 / 1.5, out);
@@ -41,9 +41,10 @@ TEST(Fresnel, total_reflection_beyond_the_critical_angle) {
 TEST(Refraction, follows_snell) {
   for (double degrees = 0; degrees < 90; degrees += 7) {
     for (const double eta : {0.75, 1.0, 1.33, 1.5, 2.4}) {
-      const double sin_i = std::sin(degrees * kDegree);
+      const double sin_i = std::sin(degrees * kRadiansOfDegree);
       Vec3 out;
-      const bool refracted = refract({sin_i, 0, -std::cos(degrees * kDegree)}, {0, 0, 1}, eta, out);
+      const bool refracted =
+          refract({sin_i, 0, -std::cos(degrees * kRadiansOfDegree)}, {0, 0, 1}, eta, out);
       ASSERT_EQ(refracted, sin_i < eta);
       if (!refracted) continue;
       EXPECT_NEAR(out.x, sin_i / eta, 1e-14);
@@ -55,18 +56,18 @@ TEST(Refraction, follows_snell) {
 TEST(Material, shares) {
   Material m;
   const Vec3 n{0, 0, 1}, up{0, 0, 1};
-  const Vec3 slanted{std::sin(60 * kDegree), 0, std::cos(60 * kDegree)};
+  const Vec3 slanted{std::sin(60 * kRadiansOfDegree), 0, std::cos(60 * kRadiansOfDegree)};
   EXPECT_NEAR(reflected_share(m, m.diffuse, n, slanted, up).r, 0.4, 1e-15);
   EXPECT_EQ(reflected_share(m, m.diffuse, n, -up, up).r, 0);
   m.specular = kWhite;
   // A highlight of exponent 25.6 ten degrees off: x3d.md, check 3.
-  const Vec3 off{std::sin(20 * kDegree), 0, std::cos(20 * kDegree)};
-  EXPECT_NEAR(reflected_share(m, kBlack, n, off, up).r, std::pow(std::cos(10 * kDegree), 25.6),
-              1e-13);
+  const Vec3 off{std::sin(20 * kRadiansOfDegree), 0, std::cos(20 * kRadiansOfDegree)};
+  EXPECT_NEAR(reflected_share(m, kBlack, n, off, up).r,
+              std::pow(std::cos(10 * kRadiansOfDegree), 25.6), 1e-13);
   EXPECT_EQ(reflected_share(m, kBlack, n, -off, up).r, 0);
   m.specular_model = SpecularModel::phong;
-  EXPECT_NEAR(reflected_share(m, kBlack, n, off, up).r, std::pow(std::cos(20 * kDegree), 25.6),
-              1e-13);
+  EXPECT_NEAR(reflected_share(m, kBlack, n, off, up).r,
+              std::pow(std::cos(20 * kRadiansOfDegree), 25.6), 1e-13);
   m.shininess = 0;
   EXPECT_EQ(reflected_share(m, kBlack, n, off, up).r, 1);
 }

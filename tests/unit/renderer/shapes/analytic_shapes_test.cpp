@@ -300,7 +300,9 @@ TEST(AnalyticShapes, WrongSizesAreErrors) {
   // A pentagram winds twice.
   std::vector<Point3> star;
   for (int i = 0; i < 5; ++i) star.push_back({std::cos(2.513274 * i), std::sin(2.513274 * i), 0});
-  EXPECT_FALSE(ConvexPolygon::is_convex(star));
+  EXPECT_EQ(ConvexPolygon::fault_of(star), "a polygon that is not convex");
+  const std::vector<Point3> bent{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}};
+  EXPECT_EQ(ConvexPolygon::fault_of(bent), "a point of a polygon that is 0.236 m off its plane");
 }
 
 }  // namespace

@@ -21,6 +21,21 @@ TEST(CrtErrors, ShowPlaceSourceAndCaret) {
             "2 errors");
 }
 
+TEST(CrtErrors, AreValuesToo) {
+  try {
+    parse_crt("a = 1\nb = rgbb(1, 1, 1)\nc = \"ü\" + camm\n", "x.crt", std::nullopt, 0);
+    ADD_FAILURE() << "two things are wrong";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("x.crt:3:11: "));
+    ASSERT_GE(error.diagnostics().size(), 2u) << error.what();
+    const Diagnostic &first = error.diagnostics()[0], &second = error.diagnostics()[1];
+    EXPECT_EQ(first.place.str(), "x.crt:2:5");
+    EXPECT_EQ(first.suggestion, "rgb");
+    EXPECT_EQ(second.place.str(), "x.crt:3:12") << "in bytes";
+    EXPECT_EQ(second.end.column, 16);
+  }
+}
+
 TEST(CrtErrors, SuggestTheNearestName) {
   EXPECT_THAT(complaint_of("b = Sphre { }"), HasSubstr("did you mean 'Sphere'?"));
   EXPECT_THAT(complaint_of("b = camm"), HasSubstr("did you mean 'cam'?"));

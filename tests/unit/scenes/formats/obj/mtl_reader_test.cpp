@@ -23,7 +23,7 @@ v1::Classic classic(const std::string& body) {
   return read("newmtl m\n" + body, warnings).at("m").classic();
 }
 
-std::string error(const std::string& text) {
+std::string mtl_error(const std::string& text) {
   Warnings warnings;
   return error_of([&] { read(text, warnings); });
 }
@@ -192,21 +192,24 @@ TEST(Mtl, ReadsNoPictureThatTheFinderRefuses) {
 }
 
 TEST(Mtl, SaysWhereAndWhatIsWrong) {
-  EXPECT_EQ(error("Kd 1 1 1\n"), "t.mtl:1:1: 'Kd'; expected newmtl before it");
-  EXPECT_EQ(error("newmtl\n"), "t.mtl:1:7: newmtl without a name; expected a material's name");
-  EXPECT_EQ(error("newmtl a\nKd 1 x 1\n"), "t.mtl:2:6: 'x'; expected a colour component");
-  EXPECT_EQ(error("newmtl a\nillum 11\n"),
+  EXPECT_EQ(mtl_error("Kd 1 1 1\n"), "t.mtl:1:1: 'Kd'; expected newmtl before it");
+  EXPECT_EQ(mtl_error("newmtl\n"), "t.mtl:1:7: newmtl without a name; expected a material's name");
+  EXPECT_EQ(mtl_error("newmtl a\nKd 1 x 1\n"), "t.mtl:2:6: 'x'; expected a colour component");
+  EXPECT_EQ(mtl_error("newmtl a\nillum 11\n"),
             "t.mtl:2:7: '11'; expected an illumination model of 0 to 10");
-  EXPECT_EQ(error("newmtl a\nillum 3e30\n"),
+  EXPECT_EQ(mtl_error("newmtl a\nillum 3e30\n"),
             "t.mtl:2:7: '3e30'; expected an illumination model of 0 to 10");
-  EXPECT_EQ(error("map_Kd x.png\n"), "t.mtl:1:1: 'map_Kd'; expected newmtl before it");
-  EXPECT_EQ(error("newmtl a\nmap_Kd \n"), "t.mtl:2:8: map_Kd without a file; expected a picture");
-  EXPECT_EQ(error("newmtl a\nmap_Kd -s x a.png\n"), "t.mtl:2:11: 'x'; expected a finite number");
-  EXPECT_EQ(error("newmtl a\nbump -bm 1e99 a.png\n"),
+  EXPECT_EQ(mtl_error("map_Kd x.png\n"), "t.mtl:1:1: 'map_Kd'; expected newmtl before it");
+  EXPECT_EQ(mtl_error("newmtl a\nmap_Kd \n"),
+            "t.mtl:2:8: map_Kd without a file; expected a picture");
+  EXPECT_EQ(mtl_error("newmtl a\nmap_Kd -s x a.png\n"),
+            "t.mtl:2:11: 'x'; expected a finite number");
+  EXPECT_EQ(mtl_error("newmtl a\nbump -bm 1e99 a.png\n"),
             "t.mtl:2:10: '1e99'; expected a finite number");
-  EXPECT_EQ(error("newmtl a\nmap_d -imfchan q a.png\n"),
+  EXPECT_EQ(mtl_error("newmtl a\nmap_d -imfchan q a.png\n"),
             "t.mtl:2:16: 'q'; expected a channel: r, g, b, m, l or z");
-  EXPECT_EQ(error("newmtl a\nNs nan\n"), "t.mtl:2:4: 'nan'; expected an exponent that is finite");
+  EXPECT_EQ(mtl_error("newmtl a\nNs nan\n"),
+            "t.mtl:2:4: 'nan'; expected an exponent that is finite");
 }
 
 }  // namespace

@@ -15,13 +15,13 @@ std::string document(const std::string& scene, const std::string& version = "3.3
   return "<X3D version='" + version + "'><Scene>\n" + scene + "</Scene></X3D>";
 }
 
-LoadedScene read(const std::string& scene, const ReadOptions& options = {},
-                 const std::string& version = "3.3") {
+LoadedScene read_x3d_scene(const std::string& scene, const ReadOptions& options = {},
+                           const std::string& version = "3.3") {
   return parse_x3d(document(scene, version), "t.x3d", options);
 }
 
-std::string error(const std::string& scene) {
-  return error_of([&] { read(scene); });
+std::string x3d_error(const std::string& scene) {
+  return error_of([&] { read_x3d_scene(scene); });
 }
 
 TEST(X3d, SaysThatATextIsInUtf16) {
@@ -70,26 +70,27 @@ std::vector<float> normals(const LoadedScene& loaded) {
 TEST(X3d, ListsTheFirstOfManyUnknownNodes) {
   std::string nodes;
   for (int i = 0; i < 20000; ++i) nodes += "<Shap" + std::to_string(i) + "/><Strange/>";
-  const std::vector<std::string> warnings = read(nodes).warnings;
+  const std::vector<std::string> warnings = read_x3d_scene(nodes).warnings;
   ASSERT_EQ(warnings.size(), Warnings::kMostEntries + 1);
   EXPECT_EQ(warnings[0], "t.x3d:2:2: unknown node 'Shap0' is left out; did you mean 'Shape'?");
   EXPECT_EQ(warnings[1], "t.x3d:2:10: unknown node 'Strange' is left out (20000 times)");
 }
 
 TEST(X3d, HasAViewpointAndAHeadlightWithoutSayingSo) {
-  const LoadedScene loaded = read("");
+  const LoadedScene loaded = read_x3d_scene("");
   ASSERT_EQ(loaded.scene.cameras_size(), 1);
   const v1::Camera& camera = loaded.scene.cameras(0);
   EXPECT_EQ(camera.world_from_camera().steps(0).translate().z(), 10);
   EXPECT_EQ(camera.perspective().field_of_view(), 45);
   EXPECT_EQ(camera.headlight().directional().direction().z(), -1);
-  EXPECT_FALSE(read("<NavigationInfo headlight='false'/>").scene.cameras(0).has_headlight());
+  EXPECT_FALSE(
+      read_x3d_scene("<NavigationInfo headlight='false'/>").scene.cameras(0).has_headlight());
   EXPECT_EQ(loaded.scene.settings().output().transfer(), v1::Output::DISPLAY);
   EXPECT_EQ(loaded.scene.settings().integrator().shadows(), v1::IntegratorSettings::SHADOWS_ON);
 }
 
 TEST(X3d, SpansTheSmallerSideWithTheFieldOfView) {
-  const LoadedScene loaded = read(
+  const LoadedScene loaded = read_x3d_scene(
       "<Transform translation='1 0 0'><Viewpoint DEF='V' position='0 2 0' fieldOfView='0.7854' "
       "orientation='0 1 0 1.5707963'/></Transform><Viewpoint description='second'/>");
   ASSERT_EQ(loaded.scene.cameras_size(), 2);
@@ -104,7 +105,7 @@ TEST(X3d, SpansTheSmallerSideWithTheFieldOfView) {
 }
 
 TEST(X3d, ComposesEveryFieldOfATransform) {
-  const LoadedScene loaded = read(
+  const LoadedScene loaded = read_x3d_scene(
       "<Transform translation='1 2 3' rotation='1 2 -1 0.7' scale='1 2 4' "
       "scaleOrientation='0 3 1 1.1' center='-1 0.5 2'/>");
   const Affine c = translation({-1, .5, 2}), back = translation({1, -.5, -2});
@@ -118,10 +119,10 @@ TEST(X3d, ComposesEveryFieldOfATransform) {
 }
 
 TEST(X3d, MapsTheMaterialToTheClassicTerms) {
-  const LoadedScene loaded =
-      read(shape("<Sphere radius='2'/>",
-                 "<Material diffuseColor='.5 .25 1' ambientIntensity='.5' specularColor='1 0 0' "
-                 "emissiveColor='0 0 .125' shininess='.5' transparency='.25'/>"));
+  const LoadedScene loaded = read_x3d_scene(
+      shape("<Sphere radius='2'/>",
+            "<Material diffuseColor='.5 .25 1' ambientIntensity='.5' specularColor='1 0 0' "
+            "emissiveColor='0 0 .125' shininess='.5' transparency='.25'/>"));
   const v1::Material& material = loaded.scene.materials(0);
   const v1::Classic& c = material.classic();
   EXPECT_EQ(c.ambient().value().r(), .5);
@@ -138,7 +139,7 @@ TEST(X3d, MapsTheMaterialToTheClassicTerms) {
 }
 
 TEST(X3d, IsUnlitWithoutAMaterialAndTwoSidedWhereNotSolid) {
-  const LoadedScene loaded = read("<Shape><Box size='2 4 6' solid='false'/></Shape>");
+  const LoadedScene loaded = read_x3d_scene("<Shape><Box size='2 4 6' solid='false'/></Shape>");
   const v1::Material& material = loaded.scene.materials(0);
   EXPECT_EQ(material.unlit().color().value().g(), 1);
   EXPECT_EQ(material.sides(), v1::Material::TWO_SIDED);
@@ -149,13 +150,14 @@ TEST(X3d, IsUnlitWithoutAMaterialAndTwoSidedWhereNotSolid) {
 TEST(X3d, DecodesColoursWhereAskedTo) {
   ReadOptions options;
   options.x3d_color = ReadOptions::Color::linear;
-  const LoadedScene loaded = read(shape("<Sphere/>", "<Material diffuseColor='.5 0 1'/>"), options);
+  const LoadedScene loaded =
+      read_x3d_scene(shape("<Sphere/>", "<Material diffuseColor='.5 0 1'/>"), options);
   EXPECT_NEAR(loaded.scene.materials(0).classic().diffuse().value().r(), .21404, 1e-5);
   EXPECT_EQ(loaded.scene.settings().output().transfer(), v1::Output::SRGB);
 }
 
 TEST(X3d, ReadsTheThreeLights) {
-  const LoadedScene loaded = read(
+  const LoadedScene loaded = read_x3d_scene(
       "<DirectionalLight direction='0 -1 0' intensity='.5' color='1 .5 0'/>"
       "<PointLight location='1 2 3' attenuation='0 0 1' radius='7' ambientIntensity='.25'/>"
       "<SpotLight beamWidth='.2' cutOffAngle='.6' on='false'/><SpotLight/>");
@@ -176,17 +178,17 @@ TEST(X3d, ReadsTheThreeLights) {
   EXPECT_NEAR(spot.spot().beam_width(), .2 * 180 / 3.14159265358979, 1e-9);
   EXPECT_NEAR(spot.spot().cut_off(), .6 * 180 / 3.14159265358979, 1e-9);
   EXPECT_NEAR(loaded.scene.nodes(3).light().spot().beam_width(), 45, 1e-3);
-  EXPECT_NEAR(read("<SpotLight/>", {}, "4.0").scene.nodes(0).light().spot().beam_width(), 33.75,
-              1e-3);
+  EXPECT_NEAR(read_x3d_scene("<SpotLight/>", {}, "4.0").scene.nodes(0).light().spot().beam_width(),
+              33.75, 1e-3);
 }
 
 TEST(X3d, ReadsBackgroundsAsColourGradientOrRings) {
-  EXPECT_EQ(read("<Background skyColor='.25 0 0'/>").scene.background().solid().r(), .25);
+  EXPECT_EQ(read_x3d_scene("<Background skyColor='.25 0 0'/>").scene.background().solid().r(), .25);
   const v1::Background two =
-      read("<Background skyColor='0 0 1' groundColor='0 1 0'/>").scene.background();
+      read_x3d_scene("<Background skyColor='0 0 1' groundColor='0 1 0'/>").scene.background();
   EXPECT_EQ(two.gradient().sky().b(), 1);
   EXPECT_EQ(two.gradient().ground().g(), 1);
-  const LoadedScene rings = read(
+  const LoadedScene rings = read_x3d_scene(
       "<Background skyColor='1 0 0, 0 0 1' skyAngle='1.5707963' groundColor='0 0 0 1 1 1 0 1 0' "
       "groundAngle='1 1'/><Background skyColor='1 1 1'/>");
   const v1::Background::Rings& r = rings.scene.background().rings();
@@ -198,9 +200,10 @@ TEST(X3d, ReadsBackgroundsAsColourGradientOrRings) {
 }
 
 TEST(X3d, SharesWhatIsUsedAgain) {
-  const LoadedScene loaded = read("<Group DEF='G'>" + shape("<Sphere/>") +
-                                  "</Group><Transform translation='3 0 0'><Group USE='G'/>"
-                                  "</Transform>");
+  const LoadedScene loaded =
+      read_x3d_scene("<Group DEF='G'>" + shape("<Sphere/>") +
+                     "</Group><Transform translation='3 0 0'><Group USE='G'/>"
+                     "</Transform>");
   ASSERT_EQ(loaded.scene.objects_size(), 1);
   EXPECT_EQ(loaded.scene.objects(0).name(), "G");
   EXPECT_EQ(loaded.scene.nodes(0).instance_of(), "G");
@@ -210,26 +213,27 @@ TEST(X3d, SharesWhatIsUsedAgain) {
 
 TEST(X3d, ShowsOneChildOfASwitchAndNeverAProxy) {
   const std::string two = shape("<Sphere/>") + shape("<Box/>");
-  EXPECT_EQ(read("<Switch>" + two + "</Switch>").scene.nodes(0).children_size(), 0);
-  const LoadedScene one = read("<Switch whichChoice='1'>" + two + "</Switch>");
+  EXPECT_EQ(read_x3d_scene("<Switch>" + two + "</Switch>").scene.nodes(0).children_size(), 0);
+  const LoadedScene one = read_x3d_scene("<Switch whichChoice='1'>" + two + "</Switch>");
   ASSERT_EQ(one.scene.nodes(0).children_size(), 1);
   EXPECT_TRUE(one.scene.nodes(0).children(0).shape().has_box());
-  EXPECT_TRUE(read("<LOD>" + two + "</LOD>").scene.nodes(0).children(0).shape().has_sphere());
-  EXPECT_EQ(read("<Collision><Shape containerField='proxy'><Box/></Shape></Collision>")
+  EXPECT_TRUE(
+      read_x3d_scene("<LOD>" + two + "</LOD>").scene.nodes(0).children(0).shape().has_sphere());
+  EXPECT_EQ(read_x3d_scene("<Collision><Shape containerField='proxy'><Box/></Shape></Collision>")
                 .scene.nodes(0)
                 .children_size(),
             0);
 }
 
 TEST(X3d, SmoothsFacesBelowTheCreaseAngle) {
-  EXPECT_TRUE(normals(read(shape(cube("")))).empty());
-  const LoadedScene smooth = read(shape(cube("creaseAngle='1.6'")));
+  EXPECT_TRUE(normals(read_x3d_scene(shape(cube("")))).empty());
+  const LoadedScene smooth = read_x3d_scene(shape(cube("creaseAngle='1.6'")));
   const auto n = normals(smooth);
   ASSERT_EQ(n.size(), 24u);
   const float third = 1 / std::sqrt(3.f);
   for (const float component : n) EXPECT_NEAR(std::abs(component), third, 1e-6);
   // Every corner of a face has that face's normal: as flat as with 0.
-  const LoadedScene flat = read(shape(cube("creaseAngle='1.5'")));
+  const LoadedScene flat = read_x3d_scene(shape(cube("creaseAngle='1.5'")));
   const auto f = normals(flat);
   ASSERT_EQ(f.size(), 72u);
   for (size_t i = 0; i < f.size(); i += 3)
@@ -244,7 +248,7 @@ TEST(X3d, WeldsNearPointsForNormals) {
   const auto smooth_corners = [&](double weld) {
     ReadOptions options;
     options.x3d_weld = weld;
-    const auto n = normals(read(fold, options));
+    const auto n = normals(read_x3d_scene(fold, options));
     int count = 0;
     for (size_t i = 0; i < n.size(); i += 3) count += n[i] != 0 && n[i + 2] != 0;
     return count;
@@ -256,9 +260,9 @@ TEST(X3d, WeldsNearPointsForNormals) {
 
 TEST(X3d, TurnsClockwiseFacesOver) {
   const auto triangles = [](const char* ccw) {
-    const LoadedScene loaded =
-        read(shape("<IndexedTriangleSet normalPerVertex='false' ccw='" + std::string(ccw) +
-                   "' index='0 1 2'><Coordinate point='0 0 0 1 0 0 0 1 0'/></IndexedTriangleSet>"));
+    const LoadedScene loaded = read_x3d_scene(
+        shape("<IndexedTriangleSet normalPerVertex='false' ccw='" + std::string(ccw) +
+              "' index='0 1 2'><Coordinate point='0 0 0 1 0 0 0 1 0'/></IndexedTriangleSet>"));
     const v1::TriangleMesh& mesh = loaded.scene.nodes(0).shape().mesh();
     return blob_values<float>(mesh.positions(), loaded.blobs);
   };
@@ -268,7 +272,7 @@ TEST(X3d, TurnsClockwiseFacesOver) {
 
 TEST(X3d, FollowsTheIndexRulesOfColours) {
   const auto colors = [](const std::string& fields) {
-    const LoadedScene loaded = read(shape(
+    const LoadedScene loaded = read_x3d_scene(shape(
         "<IndexedFaceSet coordIndex='0 1 2 -1 0 2 3' " + fields +
         "><Coordinate point='0 0 0 1 0 0 1 1 0 0 1 0'/><Color color='1 0 0, 0 1 0, 0 0 1, 1 1 1'/>"
         "</IndexedFaceSet>"));
@@ -293,7 +297,7 @@ TEST(X3d, CutsStripsFansAndQuads) {
   const std::string points = "<Coordinate point='0 0 0 1 0 0 0 1 0 1 1 0'/>";
   const auto count = [&](const std::string& type, const std::string& fields) {
     const LoadedScene loaded =
-        read(shape("<" + type + " " + fields + ">" + points + "</" + type + ">"));
+        read_x3d_scene(shape("<" + type + " " + fields + ">" + points + "</" + type + ">"));
     return loaded.scene.nodes(0).shape().mesh().triangles().size() / 12;
   };
   EXPECT_EQ(count("TriangleSet", ""), 1u);
@@ -306,7 +310,7 @@ TEST(X3d, CutsStripsFansAndQuads) {
 }
 
 TEST(X3d, ToleratesCommonSlipsAndSaysSo) {
-  const LoadedScene loaded = read(
+  const LoadedScene loaded = read_x3d_scene(
       "<NavigationInfo headlight='FALSE'/><Spere/><TimeSensor/><Script/><TimeSensor/>"
       "<Transform tranlation='1 0 0'/>" +
       shape("<Sphere/>", "<Material transparency='2'/>"));
@@ -320,27 +324,27 @@ TEST(X3d, ToleratesCommonSlipsAndSaysSo) {
 }
 
 TEST(X3d, SaysWhereAndWhatIsWrong) {
-  EXPECT_EQ(error("<Shape>\n<Sphere radius='nan'/></Shape>"),
+  EXPECT_EQ(x3d_error("<Shape>\n<Sphere radius='nan'/></Shape>"),
             "t.x3d:3:17: 'nan'; expected a finite number");
-  EXPECT_EQ(error("<Shape>\n<Sphere radius='-1'/></Shape>"),
+  EXPECT_EQ(x3d_error("<Shape>\n<Sphere radius='-1'/></Shape>"),
             "t.x3d:3:17: radius -1 of Sphere; expected a length above 0");
-  EXPECT_EQ(error("<Group USE='Glob'/><Group DEF='Globe'/>").substr(0, 55),
+  EXPECT_EQ(x3d_error("<Group USE='Glob'/><Group DEF='Globe'/>").substr(0, 55),
             "t.x3d:2:13: USE of 'Glob', which is not defined; expect");
-  EXPECT_EQ(error("<Group DEF='G'>\n<Group><Group USE='G'/></Group></Group>"),
+  EXPECT_EQ(x3d_error("<Group DEF='G'>\n<Group><Group USE='G'/></Group></Group>"),
             "t.x3d:3:20: USE of 'G' inside itself; expected a graph without cycles");
-  EXPECT_EQ(error("<Group DEF='G'/><Transform USE='G'/>"),
+  EXPECT_EQ(x3d_error("<Group DEF='G'/><Transform USE='G'/>"),
             "t.x3d:2:33: Transform with USE of 'G', which is a Group; expected the same type");
-  EXPECT_EQ(error(shape("<IndexedFaceSet DEF='F' coordIndex='0 1 2 -1\n0 2 3'><Coordinate "
-                        "point='0 0 0 1 0 0 0 1 0'/></IndexedFaceSet>")),
+  EXPECT_EQ(x3d_error(shape("<IndexedFaceSet DEF='F' coordIndex='0 1 2 -1\n0 2 3'><Coordinate "
+                            "point='0 0 0 1 0 0 0 1 0'/></IndexedFaceSet>")),
             "t.x3d:3:5: coordIndex 3 in face 1 of IndexedFaceSet 'F'; expected 0 to 2");
-  EXPECT_EQ(error(shape("<TriangleSet><Coordinate point='0 0 0 1'/></TriangleSet>")),
+  EXPECT_EQ(x3d_error(shape("<TriangleSet><Coordinate point='0 0 0 1'/></TriangleSet>")),
             "t.x3d:2:76: 4 numbers in point of Coordinate; expected a multiple of 3");
-  EXPECT_EQ(error("<Transform translation='1 2'/>"),
+  EXPECT_EQ(x3d_error("<Transform translation='1 2'/>"),
             "t.x3d:2:25: 2 numbers in translation of Transform; expected 3");
-  EXPECT_EQ(error("<Viewpoint fieldOfView='3.2'/>"),
+  EXPECT_EQ(x3d_error("<Viewpoint fieldOfView='3.2'/>"),
             "t.x3d:2:25: fieldOfView 3.2; expected an angle between 0 and pi");
-  EXPECT_EQ(error("<Group visible='maybe'/>"), "t.x3d:2:17: 'maybe'; expected true or false");
-  EXPECT_EQ(error("<Group>\n").substr(0, 34), "t.x3d:3:3: not well-formed XML: St");
+  EXPECT_EQ(x3d_error("<Group visible='maybe'/>"), "t.x3d:2:17: 'maybe'; expected true or false");
+  EXPECT_EQ(x3d_error("<Group>\n").substr(0, 34), "t.x3d:3:3: not well-formed XML: St");
   EXPECT_EQ(error_of([] { parse_x3d("<html/>", "t.x3d", {}); }),
             "t.x3d:1:2: element 'html'; expected 'X3D'");
   EXPECT_EQ(error_of([] { parse_x3d("<X3D/>", "t.x3d", {}); }),
@@ -351,7 +355,7 @@ TEST(X3d, BoundsNestingAndNeverFollowsEntities) {
   std::string deep;
   for (int i = 0; i < 100; ++i) deep += "<Group>";
   for (int i = 0; i < 100; ++i) deep += "</Group>";
-  EXPECT_NE(error(deep).find("nodes nested too deep; expected at most 80 levels"),
+  EXPECT_NE(x3d_error(deep).find("nodes nested too deep; expected at most 80 levels"),
             std::string::npos);
   // Twice the group before it, forty times: 2^40 spheres that are stored forty times.
   std::string laughs = "<Group DEF='G0'>" + shape("<Sphere/>") + "</Group>";
@@ -359,11 +363,33 @@ TEST(X3d, BoundsNestingAndNeverFollowsEntities) {
     const std::string last = "<Group USE='G" + std::to_string(i - 1) + "'/>";
     laughs += "<Group DEF='G" + std::to_string(i) + "'>" + last + last + "</Group>";
   }
-  EXPECT_LT(read(laughs).scene.ByteSizeLong(), 10000u);
+  EXPECT_LT(read_x3d_scene(laughs).scene.ByteSizeLong(), 10000u);
   const std::string entity =
       "<!DOCTYPE X3D [<!ENTITY x SYSTEM 'file:///etc/hostname'>]><X3D><Scene>"
       "<Group DEF='&x;'/></Scene></X3D>";
   EXPECT_EQ(parse_x3d(entity, "t.x3d", {}).scene.nodes(0).name(), "&x;");
+}
+
+TEST(X3d, TellsOfEachPartThatIsWrong) {
+  const std::string text =
+      "<X3D><Scene>\n"
+      "<Transform translation='0 y 0'>\n" +
+      shape("<Sphere/>") +
+      "</Transform>\n"
+      "<Group>\n" +
+      shape("<Sphere radius='x'/>") + "\n" + shape("<Box/>") + "\n" + shape("<Box size='1 1'/>") +
+      "</Group>\n<Viewpoint position='0 0'/>\n</Scene></X3D>";
+  const auto read = [&] { parse_x3d(text, "t.x3d", {}); };
+  std::vector<int> lines;
+  try {
+    read();
+  } catch (const Error& error) {
+    for (const Diagnostic& each : error.diagnostics()) lines.push_back(each.place.line);
+  }
+  EXPECT_EQ(lines, (std::vector<int>{2, 6, 10, 12})) << error_of(read);
+  std::string many;
+  for (int i = 0; i < 30; ++i) many += shape("<Sphere radius='" + std::to_string(i) + "x'/>");
+  EXPECT_NE(x3d_error(many).find("20 errors; the rest"), std::string::npos);
 }
 
 }  // namespace

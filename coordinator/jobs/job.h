@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/monotonic.h"
+#include "coordinator/jobs/active_frame.h"
+#include "job/job.h"
+#include "proto/tessera/v1/farm.pb.h"
+
+namespace tessera {
+
+/// A job of one frame or many, from when it is accepted until it is forgotten: which of its frames
+/// have ended, which are being traced, and what share of the workers it had.
+class Job {
+ public:
+  /// As it was kept. `now`: when it was accepted, if that was in this process.
+  explicit Job(v1::KeptJob kept, std::optional<Time> now = {});
+  /// Of this process: one frame, whose result is taken and kept nowhere; its tiles are kept in
+  /// `tiles`, unless that is null.
+  Job(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles, Time now);
+
+  uint64_t id() const { return kept_.job(); }
+  const v1::SubmitJob& request() const { return kept_.request(); }
+  const v1::KeptJob& kept() const { return kept_; }
+  v1::KeptJob& kept() { return kept_; }
+  bool local() const { return local_.has_value(); }
+  /// Of a job of this process, before its frame is taken.
+  const PixelRect& local_crop() const { return local_->crop; }
+  /// The frame of a job of this process, once.
+  JobSpec take_local_spec() { return std::move(*local_); }
+  const std::shared_ptr<TileStore>& local_tiles() const { return local_tiles_; }
+
+  uint32_t frame_count() const { return static_cast<uint32_t>(ends_.size()); }
+  const std::optional<v1::JobEnd>& end_of(uint32_t frame) const { return ends_[frame]; }
+  /// Those whose pictures are whole.
+  uint32_t frames_done() const { return frames_done_; }
+  /// All frames have ended, or none of those that are left is wanted.
+  bool ended() const;
+  /// The first frame that was not begun and has not ended.
+  std::optional<uint32_t> next_frame() const;
+
+  /// The frames that are being traced, the earliest first.
+  struct Running {
+    uint32_t frame = 0;
+    std::unique_ptr<ActiveFrame> active;
+  };
+  std::deque<Running>& running() { return running_; }
+  const std::deque<Running>& running() const { return running_; }
+  void begin(uint32_t frame, std::unique_ptr<ActiveFrame> active, Time now);
+  /// Whether any frame was, in this process.
+  bool begun() const { return begun_.has_value(); }
+  void end(uint32_t frame, v1::JobEnd end);
+  /// It has not ended after all, and is to be begun again.
+  void reopen(uint32_t frame);
+
+  /// Why it does not go on, though nothing is wrong with it that people would have to mend.
+  struct Hold {
+    std::string cause;
+    Time until = Time::max();           ///< when it is tried again
+    bool until_another_worker = false;  ///< it is tried again too when a worker comes
+  };
+  const std::optional<Hold>& hold() const { return hold_; }
+  bool held(Time now) const { return hold_ && hold_->until > now; }
+  /// The frame, which may be running, is begun again after that.
+  void put_aside(uint32_t frame, Hold hold);
+  void release() { hold_.reset(); }
+  /// What went wrong at workers with the scene of a frame that has not ended.
+  std::map<uint32_t, SceneFailures>& scene_failures() { return scene_failures_; }
+  /// How long to wait after the next failure to begin: longer each time, until forget_failures().
+  Time next_pause();
+  void forget_failures() {
+    pauses_ = 0;
+    scene_failures_.clear();
+  }
+
+  /// The film that a frame made when it was done first, where its tiles are traced again.
+  struct ExpectedFilm {
+    std::string digest;
+    bool drop_tiles = false;  ///< before it begins: those that are kept make another film
+    bool dropped = false;
+  };
+  std::map<uint32_t, ExpectedFilm>& expected_films() { return expected_films_; }
+
+  /// Counts what workers hold until now; to be called before that changes.
+  void account(Time now);
+  /// Worker-seconds by weight: what it had until now, and will soon have had for the tiles that
+  /// workers hold. The job that has least is next.
+  double share(Time now);
+  /// Starts level with others that have been there for longer.
+  void catch_up(double share);
+  double worker_seconds() const { return worker_seconds_; }
+
+  /// Of the frame that ended last.
+  std::optional<TileCosts>& last_costs() { return last_costs_; }
+  const std::optional<TileCosts>& last_costs() const { return last_costs_; }
+
+  JobProgress progress(Time now) const;
+  uint64_t tiles_restored() const;
+
+ private:
+  size_t leases() const;
+
+  v1::KeptJob kept_;
+  std::optional<JobSpec> local_;
+  std::shared_ptr<TileStore> local_tiles_;
+  std::vector<std::optional<v1::JobEnd>> ends_;  ///< by frame
+  uint32_t frames_ended_ = 0, frames_done_ = 0, next_frame_ = 0;
+  uint64_t tiles_per_frame_ = 0;
+  std::deque<Running> running_;
+  std::optional<TileCosts> last_costs_;
+  double worker_seconds_ = 0, head_start_ = 0;
+  std::optional<Time> accepted_;
+  Time counted_until_{};
+  std::optional<Time> begun_;
+  uint64_t done_when_begun_ = 0;
+  std::optional<Hold> hold_;
+  int pauses_ = 0;
+  std::map<uint32_t, SceneFailures> scene_failures_;  ///< by frame
+  std::map<uint32_t, ExpectedFilm> expected_films_;   ///< by frame
+};
+
+}  // namespace tessera

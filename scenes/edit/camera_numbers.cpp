@@ -1,0 +1,98 @@
+#include "scenes/edit/camera_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/edit/literal.h"
+
+namespace tessera::edit {
+namespace {
+
+constexpr double kClose = 1e-6;
+
+Vec3 to_vec(const Triple& t) { return {t[0], t[1], t[2]}; }
+
+Affine frame(const WrittenCamera& camera) {
+  return look_at(Point3{} + to_vec(camera.eye), Point3{} + to_vec(camera.target),
+                 to_vec(camera.up));
+}
+
+double reach(const WrittenCamera& camera) {
+  return length(to_vec(camera.target) - to_vec(camera.eye));
+}
+
+/// `wanted` in short numbers, of which those of `there` are kept that are near enough.
+Triple shortened(const Triple& wanted, const Triple& there, double tolerance, std::string& text) {
+  Triple made;
+  text.clear();
+  for (size_t i = 0; i < 3; ++i) {
+    const bool keeps = std::abs(wanted[i] - there[i]) <= tolerance;
+    const std::string number = shortest_number(keeps ? there[i] : wanted[i], keeps ? 0 : tolerance);
+    made[i] = typed_number(number).value_or(wanted[i]);
+    text += (i > 0 ? " " : "") + number;
+  }
+  return made;
+}
+
+}  // namespace
+
+double frame_distance(const WrittenCamera& a, const WrittenCamera& b) {
+  const Affine fa = frame(a), fb = frame(b);
+  const double unit = std::max(1.0, reach(a));
+  double most = 0;
+  for (size_t r = 0; r < 3; ++r) {
+    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(fa.m[r][c] - fb.m[r][c]));
+    most = std::max(most, std::abs(fa.m[r][3] - fb.m[r][3]) / unit);
+  }
+  return std::isfinite(most) ? most : 2;
+}
+
+std::optional<Refusal> check_pose(const CameraPose& pose) {
+  for (const Triple& t : {pose.eye, pose.target, pose.up})
+    for (const double x : t)
+      if (!std::isfinite(x)) return Refusal{"a number that is not finite", "finite numbers", {}};
+  if (pose.eye == pose.target)
+    return Refusal{"a camera that looks at itself", "another target", {}};
+  if (pose.up == Triple{}) return Refusal{"up is 0 0 0", "a direction", {}};
+  const double angle = pose.field_of_view.value_or(45);
+  if (!(angle > 0 && angle < 360))
+    return Refusal{"a field of view of " + shortest_number(angle, 0), "above 0 and below 180", {}};
+  if (pose.orthographic && !(*pose.orthographic > 0 && std::isfinite(*pose.orthographic)))
+    return Refusal{"an orthographic height that is not above 0", "a height above 0", {}};
+  return {};
+}
+
+CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there, bool has_up) {
+  const WrittenCamera wanted{pose.eye, pose.target, has_up ? pose.up : there.up};
+  const double unit = std::min(1.0, reach(wanted));
+  WrittenCamera made;
+  std::string eye, target, up;
+  double tolerance = kClose * unit;
+  for (int i = 0; i < 12; ++i, tolerance /= 8) {
+    made.eye = shortened(wanted.eye, there.eye, tolerance, eye);
+    made.target = shortened(wanted.target, there.target, tolerance, target);
+    made.up = there.up;
+    if (has_up && frame_distance(wanted, made) > kClose)
+      made.up = shortened(wanted.up, there.up, tolerance * length(to_vec(wanted.up)) / unit, up);
+    if (frame_distance(wanted, made) <= kClose) break;
+  }
+  CameraNumbers numbers;
+  if (made.eye != there.eye) numbers.eye = eye;
+  if (made.target != there.target) numbers.target = target;
+  if (made.up != there.up) numbers.up = up;
+  return numbers;
+}
+
+std::optional<Triple> read_triple(std::string_view text) {
+  const auto parts = typed_parts(text);
+  if (parts.size() != 3) return {};
+  Triple made;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto number = typed_number(parts[i]);
+    if (!number) return {};
+    made[i] = *number;
+  }
+  return made;
+}
+
+}  // namespace tessera::edit

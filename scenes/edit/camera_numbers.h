@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "renderer/math/transform.h"
+#include "scenes/edit/edit.h"
+
+namespace tessera::edit {
+
+using Triple = std::array<double, 3>;
+
+/// The numbers of a camera as a text has them; what it lacks has its default.
+struct WrittenCamera {
+  Triple eye{}, target{}, up{0, 1, 0};
+};
+
+/// What is to be written for a pose: numbers between blanks; nothing where those in the text will
+/// do.
+struct CameraNumbers {
+  std::optional<std::string> eye, target, up;
+};
+
+/// The shortest numbers with which the camera's frame, eye (in lengths from eye to target, or of 1
+/// if that is more) and axes, stays within 1e-6. `has_up`: the language lets a camera say it.
+CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there, bool has_up);
+
+/// Why no camera is made of the pose.
+std::optional<Refusal> check_pose(const CameraPose& pose);
+
+/// How far the two frames are apart, as above.
+double frame_distance(const WrittenCamera& a, const WrittenCamera& b);
+
+/// Three numbers between blanks; nothing where there are not three.
+std::optional<Triple> read_triple(std::string_view text);
+
+}  // namespace tessera::edit

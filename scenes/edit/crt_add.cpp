@@ -1,0 +1,125 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "scenes/edit/camera_numbers.h"
+#include "scenes/edit/crt_edit.h"
+#include "scenes/edit/crt_literals.h"
+#include "scenes/edit/crt_outline.h"
+#include "scenes/edit/crt_words.h"
+#include "scenes/edit/edit_sequence.h"
+#include "scenes/edit/layout.h"
+#include "scenes/edit/literal.h"
+#include "scenes/edit/message_edit.h"
+
+namespace tessera::edit {
+
+std::vector<EntityTemplate> crt_templates() {
+  return {{"file", "Mesh", {{"file", ""}}},
+          {"sphere", "Sphere", {{"center", "0 0 0"}, {"radius", "1"}}},
+          {"box", "Box", {{"cornerA", "-1 -1 -1"}, {"cornerB", "1 1 1"}}},
+          {"plane", "Plane", {{"normal", "0 1 0"}, {"position", "0 0 0"}}},
+          {"disc", "Disc", {{"center", "0 0 0"}, {"radius", "1"}}},
+          {"cylinder", "Cylinder", {{"base", "0 -1 0"}, {"top", "0 1 0"}, {"radius", "1"}}},
+          {"cone", "Cone", {{"base", "0 -1 0"}, {"top", "0 1 0"}, {"radius", "1"}}},
+          {"torus", "Torus", {{"center", "0 0 0"}, {"radius", "1"}, {"thickness", ".25"}}},
+          {"point light", "PointLight", {{"origin", "2 4 -3"}, {"color", "1 1 1"}}},
+          {"parallel light",
+           "ParallelLight",
+           {{"from", "1 2 -1"}, {"pointing", "0 0 0"}, {"color", "1 1 1"}}},
+          {"material", "Material", {{"color", ".8 .8 .8"}}}};
+}
+
+Change add_crt(const Outline& outline, const EntityTemplate& made) {
+  const CrtObjectWord* word = find_crt_word(made.type);
+  if (!word) return refuse(made.type, "an object of the language");
+  if (made.position && word->kind != EntityKind::shape && word->kind != EntityKind::include)
+    return refuse(fmt::format("a place for {}", made.name), "one for a shape or a file");
+  std::string text, material;
+  for (const auto& [name, value] : made.fields) {
+    const CrtAttributeWord* attribute = find_crt_attribute(word, name);
+    if (!attribute) return refuse(name, fmt::format("an attribute of {}", made.type));
+    const Field field = describe(*attribute);
+    if (auto refusal = check_new_crt(outline, field, value))
+      return refuse(refusal->found, refusal->expected);
+    text += fmt::format("{} -> {} ", name, new_crt_literal(field, value));
+    if (name == "material") material = value;
+  }
+  const Entity* scene = nullptr;
+  const Entity* settings = nullptr;
+  const Entity* last_material = nullptr;
+  for (const Entity& entity : outline.entities()) {
+    if (entity.type == "Scene") scene = &entity;
+    if (entity.kind == EntityKind::settings) settings = &entity;
+    if (entity.kind == EntityKind::material && !entity.name.empty() && entity.parent == 0)
+      last_material = &entity;
+  }
+  const Layout layout = Layout(outline.text(), "--");
+  Change change;
+  if (word->kind == EntityKind::material) {
+    std::vector<std::string> names;
+    for (const auto& [name, variable] : crt_variables(outline.text(), outline.tree()))
+      names.emplace_back(name);
+    const std::string line =
+        fmt::format("{} = Material {{ {}}}", free_name("material", names, ""), text);
+    change.edits.push_back(last_material ? layout.behind(last_material->range, line)
+                           : settings    ? layout.before(settings->range, line)
+                                         : layout.at_end(line));
+    return change;
+  }
+  const bool is_light = word->kind == EntityKind::light;
+  const bool needs_material = word->kind == EntityKind::shape && material.empty();
+  if (needs_material)
+    text +=
+        fmt::format("material -> {} ", last_material ? last_material->name
+                                                     : "Material { color -> rgb(0.8, 0.8, 0.8) }");
+  std::string line = fmt::format("{} {{ {}}}", made.type, text);
+  if (made.position)
+    line +=
+        fmt::format(" <translate vec3({})>", fmt::join(typed_parts(written_position(made)), ", "));
+  if (is_light) line = "lights -> " + line;
+  const Entity* holder = is_light ? settings : scene;
+  if (!holder)
+    return refuse(fmt::format("a script without {}", is_light ? "Settings" : "Scene"),
+                  "one to add it to");
+  const int32_t last = outline.tree()[static_cast<int32_t>(holder->syntax)].last_child;
+  change.edits.push_back(last >= 0 ? layout.behind(outline.tree()[last].range, line)
+                                   : layout.inside(holder->body, holder->range.begin, line,
+                                                   indentation_unit(outline.text(), "    ")));
+  return change;
+}
+
+Change write_crt_camera(const Outline& outline, std::string_view name, const CameraPose& pose) {
+  int camera = -1;
+  for (size_t i = 0; i < outline.entities().size() && camera < 0; ++i) {
+    const Entity& entity = outline.entities()[i];
+    if (entity.kind == EntityKind::camera && (name.empty() || entity.name == name))
+      camera = static_cast<int>(i);
+  }
+  if (pose.orthographic) return refuse("an orthographic camera", "a projection that CRT has");
+  if (camera < 0) return refuse("a script without that camera", "a Camera { ... } to write");
+  if (!pose.axis.empty() && pose.axis != "vertical")
+    return refuse(fmt::format("a field of view over the {} axis", pose.axis),
+                  "the vertical one, as CRT has it");
+  WrittenCamera there;
+  std::optional<double> angle;
+  for (const Field& field : outline.entities()[static_cast<size_t>(camera)].fields) {
+    const auto triple = read_triple(field.text);
+    if (field.name == "position") there.eye = triple.value_or(Triple{NAN, NAN, NAN});
+    if (field.name == "pointing") there.target = triple.value_or(Triple{NAN, NAN, NAN});
+    if (field.name == "fov") angle = typed_number(field.text);
+  }
+  const CameraNumbers numbers = camera_numbers(pose, there, false);
+  EditSequence sequence(outline);
+  const auto set = [&](std::string_view field, const std::string& value) {
+    sequence.then([&](const Outline& now) { return set_crt_field(now, camera, field, value); });
+  };
+  if (numbers.eye) set("position", *numbers.eye);
+  if (numbers.target) set("pointing", *numbers.target);
+  constexpr double kSame = 1e-6;
+  if (pose.field_of_view && (!angle || std::abs(*angle - *pose.field_of_view) > kSame))
+    set("fov", shortest_number(*pose.field_of_view, kSame));
+  return sequence.finish();
+}
+
+}  // namespace tessera::edit

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "scenes/edit/edit.h"
+#include "scenes/edit/syntax_tree.h"
+
+namespace tessera::edit {
+
+// Languages of one statement a line: .mtl with its materials, and of .obj the lines that name
+// objects, groups, materials and files.
+SyntaxTree parse_statements(std::string_view text, bool is_mtl);
+std::vector<Entity> statement_entities(std::string_view text, const SyntaxTree& tree);
+std::vector<Field> all_statement_fields(const Outline& outline, int entity);
+
+Change set_statement(const Outline& outline, int entity, std::string_view field,
+                     std::string_view value);
+Change reset_statement(const Outline& outline, int entity, std::string_view field);
+Change remove_statements(const Outline& outline, int entity);
+Change duplicate_statements(const Outline& outline, int entity);
+
+}  // namespace tessera::edit

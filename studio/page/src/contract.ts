@@ -1,0 +1,92 @@
+// `globalThis.tesseraStudio`: what tests and tools may read of the page, in every build. Nothing can be set by it.
+
+import * as documents from "./documents.js";
+import { layout, preset } from "./layout/layout_state.js";
+import * as program from "./program.js";
+import * as state from "./state.js";
+import { currentCamera } from "./view/wish.js";
+
+function report() {
+  const shown = documents.active();
+  const { line, column, endLine, endColumn } = state.caret.peek();
+  const wish = state.camera.peek();
+  const camera = currentCamera();
+  const [width, height] = state.viewSize.peek();
+  const { value: summary } = state.summary;
+  const overrides = state.overrides.peek();
+  const painted = state.painted.peek();
+  const job = state.job.peek();
+  const progress = state.progress.peek();
+  return {
+    connection: state.connection.peek(),
+    file: shown?.file ?? null,
+    language: shown?.language ?? null,
+    version: shown?.sync.version ?? 0,
+    dirty: shown?.dirty ?? false,
+    readOnly: shown ? shown.readOnly || !shown.editable : false,
+    problems: state.problems.peek().map((each) => ({
+      severity: each.severity,
+      file: each.file,
+      line: each.line,
+      column: each.column,
+      endLine: each.end_line,
+      endColumn: each.end_column,
+      message: each.message,
+      suggestion: each.suggestion ?? null,
+    })),
+    selection: { entity: state.selectedEntity.peek() ?? null, line, column, endLine, endColumn },
+    camera: {
+      mode: wish && "eye" in wish ? "free" : "scene",
+      eye: camera?.eye ?? null,
+      target: camera?.target ?? null,
+      up: camera?.up ?? null,
+      fov: camera?.fov ?? null,
+    },
+    view: {
+      width,
+      height,
+      kind: state.channel.peek(),
+      integrator: overrides.integrator ?? summary?.integrator ?? null,
+      samples: overrides.spp ?? summary?.samples ?? null,
+      exposure: state.tone.peek()?.exposure ?? 0,
+      toneMap: state.tone.peek()?.["tone-map"] ?? null,
+      zoom: state.main.zoom.peek().factor,
+    },
+    picture: {
+      serial: painted?.serial ?? 0,
+      // Of the texts that make the picture, the last.
+      version: (job?.serial === painted?.serial ? job?.version : undefined) ?? painted?.version ?? 0,
+      scale: painted?.scale ?? 0,
+      samples: painted?.samples ?? 0,
+      tilesDone: progress?.tiles_done ?? 0,
+      tilesTotal: progress?.tiles_total ?? 0,
+      final: painted?.complete ?? false,
+      stale: job?.stale !== undefined,
+    },
+    panes: state.panes.slice(0, state.paneCount.peek()).map((pane) => ({
+      side: pane.side.peek() ?? null,
+      size: pane.size.peek(),
+      camera: currentCamera(pane) ?? null,
+      final: pane.painted.peek()?.complete ?? false,
+      version: pane.painted.peek()?.version ?? 0,
+      serial: pane.painted.peek()?.serial ?? 0,
+    })),
+    workers: state.workers.peek().length || (state.welcome.peek()?.workers ?? 0),
+    frame: state.frame.peek(),
+    theme: state.theme.peek(),
+    contrast: state.contrast.peek(),
+    layout: { preset: preset.peek(), ...layout.peek() },
+  };
+}
+
+export function publishContract(): void {
+  const contract = Object.freeze({
+    state: () => structuredClone(report()),
+    text: () => {
+      const shown = documents.active();
+      return shown ? documents.stateOf(shown).doc.toString() : "";
+    },
+    pixels: (pane = 0) => program.pixels(pane),
+  });
+  Object.defineProperty(globalThis, "tesseraStudio", { value: contract, writable: false, configurable: false });
+}

@@ -1,0 +1,107 @@
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { viewWords, type ViewWords } from "../core/view_words.js";
+import { isReading } from "../reading.js";
+import * as state from "../state.js";
+import { filterWords, showAll } from "../view/filter.js";
+import { zoomOut } from "../view/magnifier.js";
+import { moveCamera, pauseOrResume, refresh, sceneCameras, stop } from "../view/wish.js";
+import { Chain } from "./chain.js";
+import { PinButton } from "./compare.js";
+import { PaneCount, Panes } from "./panes.js";
+import { ViewOptions } from "./view_options.js";
+
+const SPOKEN_EVERY_MS = 2000;
+
+/** What is spoken: seldom enough to be heard. */
+const spoken = signal("");
+let spokenAt = 0;
+let spokenDue: ReturnType<typeof setTimeout> | undefined;
+
+export function currentWords(): ViewWords {
+  return viewWords({
+    connection: state.connection.value,
+    file: state.sceneFile.value,
+    job: state.job.value,
+    progress: state.progress.value,
+    paused: state.paused.value,
+    reading: isReading.value,
+    workers: state.workers.value.length || (state.welcome.value?.workers ?? 0),
+  });
+}
+
+function speak(words: string): void {
+  clearTimeout(spokenDue);
+  const wait = Math.max(0, spokenAt + SPOKEN_EVERY_MS - performance.now());
+  spokenDue = setTimeout(() => {
+    spokenAt = performance.now();
+    spoken.value = words;
+  }, wait);
+}
+
+function Cameras() {
+  const wish = state.camera.value;
+  const cameras = sceneCameras();
+  const isFree = wish !== null && "eye" in wish;
+  const name = wish?.name ?? cameras[0]?.name;
+  return (
+    <>
+      <span class={`chip ${isFree ? "free" : ""}`}>{isFree ? "free" : name ? `scene’s: ${name}` : "scene’s"}</span>
+      {cameras.length > 1 && (
+        <select
+          aria-label="Camera"
+          value={isFree ? "" : (wish?.name ?? "")}
+          onChange={(event) => moveCamera(event.currentTarget.value === "" ? null : { name: event.currentTarget.value }, false)}
+        >
+          <option value="">first camera</option>
+          {cameras.filter((each) => each.name).map((each) => <option key={each.name} value={each.name}>{each.name}</option>)}
+        </select>
+      )}
+      {isFree && <button type="button" onClick={() => moveCamera(null, false)}>Home</button>}
+    </>
+  );
+}
+
+/** What the picture lacks of the scene. */
+function Filtered() {
+  const { value: words } = filterWords;
+  if (words === "") return null;
+  return <button type="button" class="chip free" title="Show all of the scene" onClick={showAll}>{words}: show all</button>;
+}
+
+function Zoomed() {
+  const pane = state.activePane.value;
+  const { factor } = pane.zoom.value;
+  if (factor === 1) return null;
+  return <button type="button" aria-label={`Enlarged ${factor} times: back to 1:1`} title="Back to 1:1 (O)" onClick={() => zoomOut(pane)}>{factor}:1</button>;
+}
+
+export function ViewPanel() {
+  const words = currentWords();
+  useEffect(() => speak(words.words), [words.words]);
+  const busy = ["refining", "reading"].includes(words.state);
+  const { progress, job } = { progress: state.progress.value, job: state.job.value };
+  const share = progress && job && progress.serial === job.serial && progress.tiles_total > 0 ? progress.tiles_done / progress.tiles_total : 0;
+  return (
+    <>
+      <div class="bar view-bar">
+        <span id="view-words" class="view-words" title={words.words}><span class={`state-${words.state}`}>{words.words}</span></span>
+        <Filtered />
+        <Zoomed />
+        <Cameras />
+        <PinButton />
+        <PaneCount />
+        <button type="button" aria-pressed={state.paused.value} onClick={pauseOrResume}>{state.paused.value ? "Resume" : "Pause"}</button>
+        <button type="button" disabled={!busy} onClick={stop}>Stop</button>
+        <button type="button" onClick={refresh} title="Render now (Alt-P)">Refresh</button>
+      </div>
+      <div class={`progress ${busy ? "" : "idle"}`} aria-hidden="true"><i style={{ transform: `scaleX(${share})` }} /></div>
+      <div class={`picture${state.sceneFile.value === undefined ? " without-scene" : ""}`}>
+        <Panes />
+      </div>
+      <Chain />
+      <ViewOptions />
+      <span class="visually-hidden" role="status">{spoken.value}</span>
+    </>
+  );
+}

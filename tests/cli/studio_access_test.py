@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+"""The page of `tessera studio` for whoever has no mouse, or needs other colours: every command by keys, keys that are
+changed, themes, and what axe finds."""
+import pathlib
+import unittest
+
+from studio_browser import StudioPageTest
+from studio_case import SCENE
+from tessera_process import PROGRAM, wait_until
+
+AXE = pathlib.Path(PROGRAM).parents[1] / "studio/page/work/node_modules/axe-core/axe.min.js"
+PANELS = ("Files", "Models", "Script", "View", "Scene", "Properties", "Problems", "Console", "Graphs", "Farm", "Animation")
+DIALOGS = {"Save as…": "Save as", "Settings": "Settings", "Keys…": "Keys", "About": "About",
+           "Render: full picture with options…": "Full picture", "Export picture or scene…": "Export"}
+
+
+class AccessTest(StudioPageTest):
+    def run_command(self, page, name):
+        """By its whole name."""
+        page.press("F1")
+        wait_until(lambda: page.has("dialog", "Commands"), "the commands are listed")
+        page.type(name)
+        names = 'dialog [role="option"] .name'
+        wait_until(lambda: page.evaluate(f"[...document.querySelectorAll('{names}')].some((each) => "
+                                         f"each.textContent === {name!r})"), f"{name} is found")
+        at = page.evaluate(f"[...document.querySelectorAll('{names}')].findIndex((each) => each.textContent === {name!r})")
+        page.press("Down", at)
+        page.press("Enter")
+
+
+class Commands(AccessTest):
+    def test_every_command_by_keys_alone(self):
+        page = self.begin()
+        page.press("F1")
+        wait_until(lambda: page.has("dialog", "Commands"), "the commands are listed")
+        names = page.evaluate("[...document.querySelectorAll('dialog [role=\"option\"] .name')].map((each) => each.textContent)")
+        page.press("Escape")
+        self.assertGreater(len(names), 50)
+        # A headless browser has no full screen.
+        for name in [each for each in names if each != "Full screen"]:
+            with self.subTest(name):
+                self.run_command(page, name)
+                if title := DIALOGS.get(name):
+                    wait_until(lambda: page.has(f'dialog[aria-label^="{title}"]'), f"{name}: its dialog is open")
+                elif name == "Commands":
+                    wait_until(lambda: page.has("dialog", "Commands"), "the commands are listed")
+                elif name.startswith("Show "):
+                    panel = name.removeprefix("Show ")
+                    wait_until(lambda: page.evaluate("document.activeElement.closest('section')?.getAttribute("
+                                                     "'aria-label')") == panel, f"the focus is in {panel}")
+                page.press("Escape")
+                wait_until(lambda: not page.has("dialog"), f"{name}: no dialog is left")
+                if page.state["file"] is None:
+                    self.run_command(page, "Open: list of files")
+                    page.press("Enter")
+                self.until(page, lambda state: state["file"] is not None, f"{name}: a file is open")
+        self.assertEqual("open", page.state["connection"])
+
+    def test_toolbar_buttons_do_what_they_say(self):
+        page = self.begin()
+        for label, title in (("Export", "Export"), ("Commands", "Commands"), ("Settings", "Settings")):
+            page.click_on(".toolbar button", label)
+            wait_until(lambda: page.has(f'dialog[aria-label^="{title}"]'), f"{label} opens its dialog")
+            page.press("Escape")
+            wait_until(lambda: not page.has("dialog"), "it is closed")
+
+
+class Keys(AccessTest):
+    def open_keys(self, page, part):
+        page.press("F1")
+        page.type("keys")
+        page.press("Enter")
+        wait_until(lambda: page.has("dialog", "Reset all"), "the keys are listed")
+        page.type(part)
+        wait_until(lambda: page.evaluate("document.querySelectorAll('.key-row').length") == 1, "one command is left")
+
+    def change(self, page, key):
+        page.press("Tab")  # from the field, or from the button that was pressed
+        page.press("Enter")
+        page.press(key)
+
+    def test_a_key_is_changed_and_outlasts_the_page(self):
+        page = self.begin()
+        self.open_keys(page, "go to line")
+        page.press("Ctrl-A")
+        page.type("find prev")
+        self.change(page, "Ctrl-Shift-L")
+        wait_until(lambda: page.has(".key-row kbd", "Ctrl-Shift-L"), "it has the key")
+        page.press("Escape")
+        wait_until(lambda: not page.has("dialog"), "the dialog is closed")
+        kept = self.folder / "config/tessera/studio.json"
+        wait_until(lambda: kept.exists() and "Ctrl-Shift-L" in kept.read_text(), "the program keeps it")
+        self.navigate(page)
+        self.until(page, lambda state: state["connection"] == "open", "it is connected")
+        page.press("F1")
+        page.type("find prev")
+        wait_until(lambda: page.has('dialog [role="option"]', "Ctrl-Shift-L"), "F1 lists it")
+
+    def test_a_changed_key_runs_its_command_and_the_old_one_does_not(self):
+        page = self.begin()
+        self.open_keys(page, "theme: light")
+        self.change(page, "Ctrl-S")
+        wait_until(lambda: page.has(".key-row .why", "which the command “Save” has"), "it is refused")
+        for key, why in (("Ctrl-T", "the browser keeps"), ("x", "types or moves"), ("Ctrl-C", "text fields have")):
+            page.press(key)
+            wait_until(lambda: page.has(".key-row .why", why), why)
+        page.press("Escape")
+        self.assertTrue(page.has("dialog"), "Escape leaves the key alone")
+        self.assertFalse(page.has(".key-row kbd"))
+        page.press("Enter")
+        page.press("Alt-L")
+        wait_until(lambda: page.has(".key-row kbd", "Alt-L"), "it has the key")
+        page.press("Escape")
+        page.press("Alt-L")
+        self.until(page, lambda state: state["theme"] == "light", "the key runs it")
+        page.click_on(".cm-scroller")
+        self.open_keys(page, "undo")
+        self.change(page, "Alt-U")
+        wait_until(lambda: page.has(".key-row kbd", "Alt-U"), "it has the key")
+        page.press("Escape")
+        self.write_at(page, 1, "#")
+        typed = page.script
+        page.press("Ctrl-Z")
+        self.assertEqual(typed, page.script)
+        page.press("Alt-U")
+        self.assertEqual(SCENE, page.script)
+
+
+class Themes(AccessTest):
+    def test_the_theme_outlasts_the_page(self):
+        page = self.begin()
+        for theme in ("light", "dark"):
+            page.press("F1")
+            page.type(f"theme: {theme}")
+            page.press("Enter")
+            self.until(page, lambda state: state["theme"] == theme, theme)
+            kept = self.folder / "config/tessera/studio.json"
+            wait_until(lambda: kept.exists() and f'"{theme}"' in kept.read_text(), "the program keeps it")
+            self.navigate(page)
+            self.until(page, lambda state: state["theme"] == theme, f"{theme} again")
+
+    def test_contrast_is_chosen_or_the_systems(self):
+        page = self.begin()
+        normal = self.colours(page)
+        self.run_command(page, "Contrast: high")
+        self.until(page, lambda state: state["contrast"] == "high", "the contrast is high")
+        self.assertNotEqual(normal, self.colours(page))
+        self.run_command(page, "Contrast: as the system")
+        self.until(page, lambda state: state["contrast"] == "normal", "the system wants none")
+        page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-contrast", "value": "more"}])
+        self.until(page, lambda state: state["contrast"] == "high", "the system wants it")
+
+    def colours(self, page):
+        return page.evaluate("(() => { const s = getComputedStyle(document.body); return [s.color, s.backgroundColor]; })()")
+
+    def test_forced_colours_tell_what_is_chosen(self):
+        page = self.begin()
+        page.call("Emulation.setEmulatedMedia", features=[{"name": "forced-colors", "value": "active"}])
+        wait_until(lambda: page.evaluate("matchMedia('(forced-colors: active)').matches"), "colours are forced")
+        page.click_on(".view-frame")
+        page.press("Space")
+        wait_until(lambda: page.has('[aria-pressed="true"]'), "the view is paused")
+        for chosen, other in (('[role="tab"][aria-selected="true"]', '[role="tab"][aria-selected="false"]'),
+                              ('button[aria-pressed="true"]', '.view-bar button[aria-pressed="false"], .toolbar button')):
+            grounds = [page.evaluate(f"getComputedStyle(document.querySelector({each!r})).backgroundColor")
+                       for each in (chosen, other)]
+            self.assertNotEqual(*grounds, chosen)
+
+
+@unittest.skipUnless(AXE.exists(), "NO AXE-CORE: the page was not built beside the program")
+class Accessibility(AccessTest):
+    def findings(self, page, *rules):
+        more = "".join(f", {rule!r}: {{enabled: true}}" for rule in rules)[2:]
+        return page.evaluate(f"axe.run(document, {{resultTypes: ['violations'], rules: {{{more}}}}}).then((found) => "
+                             "found.violations.map((each) => `${each.id}: ${each.nodes.map((node) => node.target).join(' ')}`))")
+
+    def begin_with_axe(self):
+        page = self.begin()
+        page.evaluate(AXE.read_text() + "; 1")
+        self.write_at(page, 5, " nodes { wrong")
+        self.until(page, lambda state: state["problems"], "a problem is listed")
+        return page
+
+    def walk(self, page, look, *rules):
+        """Every panel and dialog, as axe sees them."""
+        for panel in PANELS:
+            self.run_command(page, f"Show {panel}")
+            wait_until(lambda: page.has(f'section[aria-label="{panel}"]'), f"{panel} is shown")
+            self.assertEqual([], self.findings(page, *rules), f"{look}, {panel}")
+        for command, title in {**DIALOGS, "Commands": "Commands", "Close file": "Unsaved changes"}.items():
+            self.run_command(page, command)
+            wait_until(lambda: page.has(f'dialog[aria-label^="{title}"]'), f"{title} is open")
+            self.assertEqual([], self.findings(page, *rules), f"{look}, {title}")
+            page.press("Escape")
+            wait_until(lambda: not page.has("dialog"), f"{title} is closed")
+
+    def test_no_findings_in_all_themes(self):
+        page = self.begin_with_axe()
+        for theme in ("light", "dark"):
+            self.run_command(page, f"Theme: {theme}")
+            self.until(page, lambda state: state["theme"] == theme, theme)
+            self.walk(page, theme)
+
+    def test_no_findings_with_high_contrast(self):
+        page = self.begin_with_axe()
+        self.run_command(page, "Contrast: high")
+        for theme in ("light", "dark"):
+            self.run_command(page, f"Theme: {theme}")
+            self.until(page, lambda state: state["theme"] == theme, theme)
+            self.walk(page, f"{theme}, high contrast", "color-contrast-enhanced")
+
+    def test_no_findings_with_forced_colours(self):
+        page = self.begin_with_axe()
+        page.call("Emulation.setEmulatedMedia", features=[{"name": "forced-colors", "value": "active"}])
+        self.walk(page, "forced colours")
+
+
+if __name__ == "__main__":
+    unittest.main()

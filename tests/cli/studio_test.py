@@ -1,0 +1,420 @@
+#!/usr/bin/env python3
+"""The page of `tessera studio` in a real browser: keys and pointer go in, and what the page tells of itself is held
+against what the program and the disk have."""
+import unittest
+
+from studio_browser import StudioPageTest
+from studio_case import SAMPLES, SCENE
+from tessera_process import wait_until
+
+LINES = SCENE.count("\n")
+# The editor closes what is opened, so that the last key is the one that makes another scene.
+ANOTHER = " nodes{shape{sphere{center{x:2"
+
+
+class Files(StudioPageTest):
+    def test_a_file_is_opened_edited_and_saved(self):
+        page = self.begin()
+        self.assertEqual(SCENE, page.script)
+        self.assertEqual("tessera", page.state["language"])
+        self.write_at(page, 1, " # one")
+        self.assertTrue(page.state["dirty"])
+        self.assertTrue(page.has('[aria-label="unsaved"]'))
+        self.assertEqual(SCENE, self.saved(), "nothing is saved by itself")
+        page.press("Ctrl-S")
+        self.until(page, lambda state: not state["dirty"], "it is saved")
+        self.assertEqual(SCENE.replace("\n", " # one\n", 1), self.saved())
+        self.assertFalse(page.has('[aria-label="unsaved"]'))
+
+    def test_line_ends_and_mark_outlast_an_edit(self):
+        text = "\ufeff" + SCENE.replace("\n", "\r\n").rstrip()
+        self.scene("scene.tessera", text)
+        page = self.begin(scene=False)
+        self.write_at(page, 1, " # ä😀")
+        page.press("Alt-S")
+        self.until(page, lambda state: not state["dirty"], "it is saved")
+        self.assertEqual(text.replace("\r\n", " # ä😀\r\n", 1).encode(),
+                         (self.opened / "scene.tessera").read_bytes())
+
+    def test_saving_under_another_name(self):
+        page = self.begin()
+        page.press("Ctrl-Shift-S")
+        page.press("Ctrl-A")
+        page.type("other.tessera")
+        page.press("Enter")
+        self.until(page, lambda state: state["file"] == "other.tessera", "the copy is open")
+        self.assertEqual(SCENE, self.saved("other.tessera"))
+
+    def test_several_files_and_closing_one_that_is_not_saved(self):
+        self.scene("other.tessera", SCENE.replace("1.25", ".5"))
+        page = self.begin()
+        page.click_on('.panel-files [role="option"]', "other.tessera")
+        self.until(page, lambda state: state["file"] == "other.tessera", "the other file is shown")
+        page.press("Alt-PageUp")
+        self.assertEqual("scene.tessera", page.state["file"])
+        self.write_at(page, 1, "#")
+        page.press("Alt-W")
+        wait_until(lambda: page.has("dialog", "not saved"), "it is asked about")
+        page.press("Escape")
+        self.assertEqual("scene.tessera", page.state["file"])
+        page.press("Alt-W")
+        page.click_on("dialog button", "Discard")
+        self.until(page, lambda state: state["file"] == "other.tessera", "it is closed")
+        self.assertEqual(SCENE, self.saved())
+        page.click_on('.panel-files [role="option"]', "scene.tessera")
+        self.until(page, lambda state: state["file"] == "scene.tessera", "it is open again")
+        self.assertEqual(SCENE, page.script, "what was discarded is gone")
+
+    def test_the_start_page_lists_scenes(self):
+        self.scene("sub.tessera")
+        page = self.begin(file=None)
+        page.click_on(".start button", "sub.tessera")
+        self.until(page, lambda state: state["file"] == "sub.tessera", "it is open")
+
+    def test_a_viewer_cannot_edit(self):
+        page = self.begin("--workers", 1, "--read-only")
+        self.assertTrue(page.state["readOnly"])
+        self.write_at(page, 1, "x")
+        self.assertEqual(SCENE, page.script)
+
+
+class Typing(StudioPageTest):
+    def test_undo_and_redo_outlast_saving(self):
+        page = self.begin()
+        self.write_at(page, 1, " # one")
+        page.press("Ctrl-S")
+        self.until(page, lambda state: not state["dirty"], "it is saved")
+        page.press("Ctrl-Z", 6)
+        self.assertEqual(SCENE, page.script)
+        page.press("Ctrl-Y", 6)
+        self.assertEqual(SCENE.replace("\n", " # one\n", 1), page.script)
+        page.press("Ctrl-Z", 6)
+        page.press("Ctrl-Shift-Z", 6)
+        self.assertEqual(SCENE.replace("\n", " # one\n", 1), page.script)
+
+    def test_find_replace_and_go_to_line(self):
+        page = self.begin()
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Home")
+        page.press("Ctrl-F")
+        page.type("radius")
+        page.press("Enter")
+        selected = page.state["selection"]
+        self.assertEqual((5, len("radius")), (selected["line"], selected["endColumn"] - selected["column"]))
+        page.press("Escape")
+        page.press("Alt-G")
+        page.type("3")
+        page.press("Enter")
+        self.assertEqual(3, page.state["selection"]["line"])
+        page.press("Escape")
+        self.assertEqual(SCENE, page.script)
+
+    def test_many_cursors_and_indentation(self):
+        page = self.begin()
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-End")
+        page.type("nodes {\nname: ")
+        self.assertTrue(page.script.startswith(SCENE + "nodes {\n"), page.script[len(SCENE):])
+        last = page.script.split("\n")[LINES + 1]
+        self.assertTrue(last.startswith("  "), repr(last))
+        self.assertEqual(last.strip(), "name:")
+
+    def test_line_numbers_and_the_line_of_the_cursor(self):
+        page = self.begin()
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-End")
+        self.assertTrue(page.has(".cm-gutterElement", str(LINES)))
+        self.assertTrue(page.has(".cm-activeLine"))
+        self.assertTrue(page.has(".status-bar", f"Line {LINES + 1}, column 1"))
+
+
+class Errors(StudioPageTest):
+    def test_an_error_is_marked_listed_and_mended_by_a_key(self):
+        page = self.begin()
+        before = page.box(".cm-line", "name: \"sun\"")
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Home")
+        page.press("Down", 4)
+        page.press("End")
+        page.press("Left", len(": 1.25 } } }"))
+        page.type("s")
+        self.assertIn("radiuss", page.script)
+        state = self.until(page, lambda state: state["problems"], "the problem is told")
+        problem, = state["problems"]
+        column = SCENE.split("\n")[4].index("radius") + 1
+        self.assertEqual(("error", "scene.tessera", 5, column, "radius"),
+                         tuple(map(problem.get, ("severity", "file", "line", "column", "suggestion"))))
+        wait_until(lambda: page.has(".cm-lintRange-error") and page.has('.panel-problems [role="option"]'),
+                   "it is underlined and listed")
+        after = page.box(".cm-line", "name: \"sun\"")
+        self.assertEqual((before[3], before[5]), (after[3], after[5]), "no line moves")
+        self.assertTrue(page.state["picture"]["stale"])
+        page.press("Ctrl-.")
+        self.until(page, lambda state: not state["problems"], "it is mended")
+        self.assertEqual(SCENE, page.script)
+        self.until(page, lambda state: not state["picture"]["stale"], "the picture is up to date")
+
+    def test_a_problem_leads_to_its_place(self):
+        (self.opened / "part.tessera").write_text("# part\nnodes { shape { sphere { radius: x } } }\n")
+        self.scene("scene.tessera", 'includes { file: "part.tessera" }\n')
+        page = self.begin(file=None, scene=False)
+        page.click_on('.panel-files [role="option"]', "scene.tessera")
+        self.until(page, lambda state: state["problems"], "the problem is told")
+        page.click_on('.panel-problems [role="option"]', "part.tessera")
+        state = self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
+        self.until(page, lambda state: state["selection"]["line"] == 2, "the cursor is at the place")
+
+
+class Live(StudioPageTest):
+    def test_the_picture_follows_the_text(self):
+        page = self.begin()
+        before = page.pixels()
+        self.write_at(page, 5, ANOTHER)
+        state = self.until_final(page)
+        self.assertEqual(state["version"], state["picture"]["version"])
+        self.assertFalse(before == page.pixels())
+
+    def test_comments_and_blanks_start_nothing(self):
+        page = self.begin()
+        before = page.state["picture"]["serial"]
+        self.write_at(page, 5, "  # a comment")
+        page.press("Ctrl-S")
+        self.until(page, lambda state: not state["dirty"], "it is saved")
+        self.assertEqual(before, page.state["picture"]["serial"])
+
+    def test_wrong_text_keeps_the_last_good_picture(self):
+        page = self.begin()
+        before = page.pixels()
+        self.write_at(page, 5, " wrong")
+        self.until(page, lambda state: state["picture"]["stale"], "it is told to be old")
+        wait_until(lambda: page.has("#view-words", "as of "), "the view says so")
+        self.assert_same(before, page.pixels())
+        page.press("Backspace", len("wrong"))
+        self.until(page, lambda state: not state["picture"]["stale"], "it is right again")
+        self.assert_same(before, page.pixels())
+
+    def test_pause_resume_and_stop_by_keys(self):
+        page = self.begin()
+        page.click_on(".view-frame")
+        page.press("Space")
+        wait_until(lambda: page.has("#view-words", "paused"), "it is paused")
+        page.press("Space")
+        wait_until(lambda: not page.has("#view-words", "paused"), "it goes on")
+        self.until_final(page)
+
+    def test_rendering_on_save_and_by_hand(self):
+        page = self.begin()
+        for mode, order in (("on save", "Ctrl-S"), ("by hand", "Alt-P")):
+            before = self.until_final(page)
+            self.command(page, f"Render: {mode}")
+            counted = page.text(".summary")
+            self.write_at(page, 5, ANOTHER)
+            wait_until(lambda: page.text(".summary") != counted, "what was typed is read")
+            self.assertEqual(before["picture"]["serial"], page.state["picture"]["serial"])
+            page.press(order)
+            self.until_final(page, after=before)
+
+    def command(self, page, name):
+        page.press("F1")
+        wait_until(lambda: page.has("dialog"), "the commands are listed")
+        page.type(name)
+        page.press("Enter")
+        wait_until(lambda: not page.has("dialog"), "the command is run")
+
+
+class SamePixels(StudioPageTest):
+    def test_the_picture_is_that_of_render(self):
+        page = self.begin()
+        self.write_at(page, 5, ANOTHER)
+        state = self.until_final(page)
+        page.press("Ctrl-S")
+        self.until(page, lambda state: not state["dirty"], "it is saved")
+        width, height, shown = page.pixels()
+        self.assertEqual((width, height), (state["view"]["width"], state["view"]["height"]))
+        self.assert_same(self.rendered(size=(width, height)), shown)
+
+
+class Camera(StudioPageTest):
+    def setUp(self):
+        super().setUp()
+        self.browser_page = self.begin()
+        self.view = self.browser_page.middle(".view-frame")
+
+    def moved(self, what, act):
+        """The camera after that was done."""
+        page = self.browser_page
+        before = page.state["camera"]
+        act()
+        self.until(page, lambda state: state["camera"] != before, f"{what} moves the camera")
+        page.wait_for_frames()
+        return page.state["camera"]
+
+    def test_the_mouse_orbits_pans_looks_and_dollies(self):
+        page, (x, y) = self.browser_page, self.view
+        self.assertEqual("scene", page.state["camera"]["mode"])
+        first = page.state["camera"]
+        orbited = self.moved("dragging", lambda: page.drag((x, y), (x + 60, y + 10)))
+        self.assertEqual("free", orbited["mode"])
+        self.assertEqual(first["target"], orbited["target"])
+        self.assertAlmostEqual(self.distance(first), self.distance(orbited), 6)
+        panned = self.moved("Shift", lambda: page.drag((x, y), (x + 40, y), held=("Shift",)))
+        self.assertNotEqual(orbited["target"], panned["target"])
+        looked = self.moved("right", lambda: page.drag((x, y), (x + 40, y), button="right"))
+        self.assertEqual(panned["eye"], looked["eye"])
+        nearer = self.moved("the wheel", lambda: page.wheel(x, y, -1))
+        self.assertLess(self.distance(nearer), self.distance(looked))
+        narrower = self.moved("Ctrl and the wheel", lambda: page.wheel(x, y, -1, held=("Ctrl",)))
+        self.assertLess(narrower["fov"], nearer["fov"])
+        self.assertEqual(narrower["eye"], nearer["eye"])
+        self.until_final(page)
+
+    def test_a_free_camera_outlasts_edits_saving_and_reconnecting(self):
+        page, (x, y) = self.browser_page, self.view
+        free = self.moved("dragging", lambda: page.drag((x, y), (x + 60, y + 10)))
+        self.write_at(page, 5, ANOTHER)
+        page.press("Ctrl-S")
+        self.until_final(page)
+        self.assertEqual(free, page.state["camera"])
+        self.assertTrue(page.has(".chip", "free"))
+        page.click_on(".view-frame")
+        page.press("Home")
+        self.until(page, lambda state: state["camera"]["mode"] == "scene", "Home leads back")
+        self.assertTrue(page.has(".chip", "scene’s: front"))
+
+    def test_a_camera_that_was_moved_is_written_to_the_one_that_it_was(self):
+        page = self.browser_page
+        other = 'cameras { name: "side" world_from_camera { steps { look_at { eye { x: 5 } target { } } } } }\n'
+        before = page.state
+        self.write_at(page, 2, "\n" + other.rstrip())
+        self.until_final(page, before)
+        self.choose_camera(page, "side")
+        self.until(page, lambda state: state["camera"]["eye"] == [5, 0, 0], "the other camera is seen through")
+        page.click_on(".view-frame")
+        self.moved("an arrow", lambda: page.press("Left"))
+        self.until(page, lambda state: state["camera"]["mode"] == "free", "it is moved")
+        text = page.script
+        page.press("F1")
+        page.type("Write camera")
+        page.press("Enter")
+        wait_until(lambda: page.script != text, "it is written")
+        self.until(page, lambda state: state["camera"]["mode"] == "scene", "the view sees through it")
+        wait_until(lambda: page.has(".chip", "side"), "it is named above the picture")
+        lines = page.script.split("\n")
+        self.assertEqual(SCENE.split("\n")[1], lines[1], "the first camera stays")
+        self.assertTrue(lines[2].startswith('cameras { name: "side"'))
+        self.assertNotEqual(other.rstrip(), lines[2])
+        self.until_final(page)
+
+    def test_the_picture_of_a_written_camera_is_that_of_render(self):
+        page = self.browser_page
+        cornell = (SAMPLES / "cornell.tessera").read_text()
+        self.scene("scene.tessera", cornell)
+        wait_until(lambda: page.script == cornell, "the page follows the file")
+        self.until_final(page)
+        page.click_on(".view-frame")
+        # The numbers of the mouse and of the keys are longer than those that are written.
+        for key in ("Left", "Up", "W", "Shift-Left", "A"):
+            self.moved(key, lambda key=key: page.press(key))
+        self.until_final(page)
+        free, text = page.state, page.script
+        page.press("F1")
+        page.type("Write camera")
+        page.press("Enter")
+        wait_until(lambda: page.script != text, "it is written")
+        self.until_final(page, free)
+        self.assertEqual("scene", page.state["camera"]["mode"])
+        page.press("Ctrl-S")
+        wait_until(lambda: self.saved() == page.script, "it is saved")
+        width, height, pixels = page.pixels()
+        self.assert_same(pixels, self.rendered(size=(width, height)))
+
+    @staticmethod
+    def choose_camera(page, name):
+        """In the list above the picture, by keys."""
+        wait_until(lambda: page.has('select[aria-label="Camera"]'), "there are several cameras")
+        page.evaluate("document.querySelector('select[aria-label=\"Camera\"]').focus()")
+        page.type(name)
+
+    def test_each_scene_keeps_its_camera_and_what_was_picked_in_it(self):
+        page = self.browser_page
+        self.scene("other.tessera", SCENE.replace("1.25", ".5"))
+
+        def show(name):
+            page.click_on('.file-tabs [role="tab"]', name)
+            self.until(page, lambda state: state["file"] == name, f"{name} is shown")
+            self.until_final(page)
+
+        def seen():
+            return page.state["camera"], page.state["selection"]["entity"], page.evaluate(
+                "document.querySelector('.chain').textContent")
+
+        page.click_at(*self.view)
+        wait_until(lambda: page.has(".chain button", "ball"), "the ball is picked")
+        first_camera = self.moved("an arrow", lambda: page.press("Left"))
+        first = seen()
+        page.press("Ctrl-Shift-S")
+        page.press("Ctrl-A")
+        page.type("copy.tessera\n")
+        self.until(page, lambda state: state["file"] == "copy.tessera", "the copy is shown")
+        self.until_final(page)
+        self.assertEqual(first_camera, page.state["camera"])
+        wait_until(lambda: page.has('.panel-files [role="option"]', "copy.tessera"), "files are listed")
+        page.click_on('.panel-files [role="option"]', "other.tessera")
+        self.until(page, lambda state: state["file"] == "other.tessera", "the other one is shown")
+        self.until_final(page)
+        camera, entity, chain = seen()
+        self.assertEqual(("scene", None), (camera["mode"], entity))
+        self.assertNotIn("ball", chain)
+        page.click_on(".view-frame")
+        wait_until(lambda: page.has(".chain button"), "something is picked")
+        self.moved("an arrow", lambda: page.press("Up"))
+        second = seen()
+        self.assertNotEqual(first, second)
+        show("scene.tessera")
+        self.assertEqual(first, seen())
+        show("other.tessera")
+        self.assertEqual(second, seen())
+
+    @staticmethod
+    def distance(camera):
+        return sum((a - b) ** 2 for a, b in zip(camera["eye"], camera["target"])) ** .5
+
+
+class Numbers(StudioPageTest):
+    def test_a_wrong_number_is_said_and_not_applied(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+        _, y = page.middle(".view-options label.number", "Samples")
+        box = page.box(".view-options label.number", "Samples")
+        page.click_at(box[2] + box[4] - 30, y)
+        for wrong in ("nan", "inf", "1,5", "1;2", "0", "-1", "1.5"):
+            page.press("Ctrl-A")
+            page.type(wrong)
+            wait_until(lambda: page.has(".view-options label.wrong .why", "expected"), f"{wrong} is wrong")
+            self.assertNotIn(page.state["view"]["samples"], (0, -1, 1.5))
+        page.press("Ctrl-A")
+        page.type("9")
+        state = self.until(page, lambda state: state["picture"]["samples"] == 9 and state["picture"]["final"], "9 samples")
+        self.assertFalse(page.has(".view-options label.wrong"))
+        self.assertEqual(9, state["view"]["samples"])
+
+
+class Tone(StudioPageTest):
+    def test_exposure_by_keys_traces_nothing(self):
+        page = self.begin()
+        before, dark = page.state["picture"]["serial"], page.pixels()
+        page.click_on(".view-frame")
+        page.press("]", 2)
+        self.until(page, lambda state: state["view"]["exposure"] == 1, "a stop more")
+        # The picture of the first half stop may come before that of both.
+        width, height, _ = dark
+        bright = self.rendered("scene.tessera", "--exposure", 1, size=(width, height))
+        wait_until(lambda: page.pixels() == (width, height, bright), "it is as bright as that of render")
+        self.assertEqual(before, page.state["picture"]["serial"])
+        page.press("[", 2)
+        wait_until(lambda: page.pixels() == dark, "it is as before")
+        self.assertEqual(before, page.state["picture"]["serial"])
+
+
+if __name__ == "__main__":
+    unittest.main()
