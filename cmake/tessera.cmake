@@ -17,9 +17,22 @@ option(TESSERA_WERROR "Treat warnings as errors" OFF)
 option(TESSERA_FUZZ "Build the libFuzzer targets (needs Clang)" OFF)
 set(TESSERA_SANITIZE "" CACHE STRING "Comma-separated sanitizers for the whole build")
 
+# What was compiled once, in any folder of this machine, is not compiled again: paths below the source
+# folder go into the cache's key as seen from the build folder.
+foreach(tool CCACHE MOLD)  # what a cache still names may have been removed since
+  if(${tool} AND NOT EXISTS "${${tool}}")
+    unset(${tool} CACHE)
+  endif()
+endforeach()
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env "CCACHE_BASEDIR=${CMAKE_SOURCE_DIR}" CCACHE_NOHASHDIR=1
+      CCACHE_SLOPPINESS=time_macros,include_file_mtime,include_file_ctime "${CCACHE}")
+endif()
+
+find_program(MOLD mold)
+if(MOLD AND NOT TESSERA_SANITIZE)
+  add_link_options(-fuse-ld=mold)
 endif()
 
 add_library(tessera_flags INTERFACE)
@@ -34,7 +47,8 @@ endif()
 target_compile_options(tessera_flags INTERFACE ${warnings}
   "-ffile-prefix-map=${CMAKE_SOURCE_DIR}/="
   -ffp-contract=off -fno-math-errno -fno-trapping-math)
-set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+# The libraries' assertions stay on: they cost nothing that could be measured.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2")
 set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -fno-omit-frame-pointer")
 if(TESSERA_WERROR)
   target_compile_options(tessera_flags INTERFACE -Werror)

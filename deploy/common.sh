@@ -1,10 +1,43 @@
-# Shared by the scripts of this folder; to be sourced. Everything runs from the repository's root.
+# Shared by the scripts of this folder and of .ci; to be sourced. Everything runs from the repository's root.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-say() { printf '\n==> %s\n' "$*"; }
-fail() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
-trap 'fail "failed in line $LINENO; the output above says why"' ERR
+phases=()  # "SECONDS NAME" of each phase that has begun, SECONDS being when it did
+failure=
+# say NAME: begins the next phase of a script.
+say() {
+  phases+=("$SECONDS $*")
+  printf '\n==> %s\n' "$*"
+}
+fail() {
+  failure=$*
+  exit 1
+}
+
+# The end of every script: how long each phase took, what the compiler cache spared, and why it failed.
+tell_end() {
+  local code=$1 i until free
+  printf '\nseconds  phase\n'
+  for ((i = 0; i < ${#phases[@]}; ++i)); do
+    until=$SECONDS
+    if ((i + 1 < ${#phases[@]})); then until=${phases[i + 1]%% *}; fi
+    printf '%7d  %.80s\n' $((until - ${phases[i]%% *})) "${phases[i]#* }"
+  done
+  printf '%7d  in all\n' "$SECONDS"
+  if [[ -s ${CCACHE_STATSLOG:-} ]]; then
+    printf 'compiler cache: %d hits, %d misses\n' \
+      "$(grep -cE '(direct|preprocessed)_cache_hit' "$CCACHE_STATSLOG")" "$(grep -c '^cache_miss' "$CCACHE_STATSLOG")"
+  fi
+  if ((code == 0)); then return; fi
+  # A full disk is the one cause of which the output above may tell in a hundred ways.
+  free=$(df --output=avail -m . | tail -n 1)
+  if ((free < 50)); then
+    failure="the disk is full: $free MB are free in $PWD; make room, then run this again"
+  fi
+  printf '%s: %s\n' "$(basename "$0")" \
+    "${failure:-failed in the phase \"${phases[-1]#* }\"; the output above says why}" >&2
+}
+trap 'tell_end $?' EXIT
 
 # install_packages USE...: installs what deploy/packages.txt lists for these uses and is missing.
 install_packages() {
@@ -26,9 +59,11 @@ install_packages() {
     as_root=(sudo)
   fi
   say "Installing ${#missing[@]} Debian packages: ${missing[*]}"
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q --error-on=any ||
+    say "apt-get could not read all of its lists; trying with those that it has"
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -q -y --no-install-recommends "${missing[@]}"
+    apt-get install -q -y --no-install-recommends "${missing[@]}" ||
+    fail "apt-get could not install them: is Debian's archive reached, and is there room? Run again when it is"
 }
 
 installed() {
@@ -37,18 +72,30 @@ installed() {
   [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
 }
 
-# build PRESET [TARGET...]: configures and builds into build/PRESET.
-build() {
+# configure PRESET [CMAKE OPTION...]: makes the build folder build/PRESET.
+configure() {
+  local log=build/$1/configure.log
+  say "Configuring preset $1 in build/$1"
+  mkdir -p "build/$1"
+  cmake --preset "$@" >"$log" || { cat "$log"; fail "CMake failed"; }
+}
+
+# compile PRESET [TARGET...]: builds all, or these targets, in build/PRESET.
+compile() {
   local preset=$1
   shift
-  say "Configuring and building preset $preset in build/$preset"
-  cmake --preset "$preset" >"$(log_of "$preset")" || { cat "$(log_of "$preset")"; fail "CMake failed"; }
   local targets=()
   if (($#)); then targets=(--target "$@"); fi
+  say "Building preset $preset${*:+: $*}"
+  export CCACHE_STATSLOG=$PWD/build/ccache_stats.log
   cmake --build --preset "$preset" "${targets[@]}"
 }
 
-log_of() {
-  mkdir -p "build/$1"
-  printf 'build/%s/configure.log' "$1"
+# run_tests PRESET CTEST_OPTION...: runs tests and sums them up; fails where one did.
+run_tests() {
+  local preset=$1 code=0
+  shift
+  ctest --preset "$preset" --parallel "$(($(nproc) + 1))" --output-junit tests.xml "$@" || code=$?
+  deploy/report_tests.py "build/$preset/tests.xml" "$preset" || code=1
+  if ((code)); then fail "tests failed; each is named above, with the command that runs it alone"; fi
 }

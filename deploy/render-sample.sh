@@ -6,7 +6,8 @@ picture=$(realpath -m "${1:-$(dirname "${BASH_SOURCE[0]}")/../sample.png}")
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 install_packages build
-build release
+configure release
+compile release
 say "Rendering scenes/samples/mosaic.tessera on 4 worker processes"
 build/release/bin/tessera render scenes/samples/mosaic.tessera --workers 4 -o "$picture"
 say "The picture is $picture"

@@ -13,7 +13,7 @@ import unittest
 import uuid
 
 PROGRAM = os.environ.get("TESSERA_PROGRAM") or str(
-    pathlib.Path(__file__).parents[2] / "build/dev/bin/tessera")
+    pathlib.Path(__file__).parents[2] / "build/release/bin/tessera")
 SLOWER = float(os.environ.get("TESSERA_TEST_SLOWDOWN", "1"))  # sanitizers
 PATIENCE = 120 * SLOWER  # seconds; what takes longer is taken for hung, so no machine is too slow
 MARK = "TESSERA_TEST_MARK"
