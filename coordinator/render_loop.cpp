@@ -62,17 +62,16 @@ JobResult RenderLoop::run(JobSpec job, const ProgressCallback& progress,
   Time next_progress{};
   while (true) {
     deliver();
+    // Before the step: only running jobs have progress, and a small job ends within its first step.
+    if (const Time now = monotonic_now(); progress && now >= next_progress) {
+      progress(coordinator_->progress(now));
+      next_progress = now + kTellProgress;
+    }
     step(kLongestWait);
-    const Time now = monotonic_now();
-    if (stop) coordinator_->interrupt(id, now);
-    // Of a job that has ended there is no progress.
+    if (stop) coordinator_->interrupt(id, monotonic_now());
     if (auto result = coordinator_->take_result(id)) {
       deliver();
       return std::move(*result);
-    }
-    if (progress && now >= next_progress) {
-      progress(coordinator_->progress(now));
-      next_progress = now + kTellProgress;
     }
   }
 }
