@@ -90,8 +90,12 @@ function(tessera_module path)
     add_library(${target} INTERFACE)
   endif()
   # Of what is compiled together a compiler inlines less well, which costs tracing up to 4 %.
-  if(path MATCHES "^renderer" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  if(path MATCHES "^renderer" AND NOT path MATCHES "^renderer/(scene|image)" AND CMAKE_BUILD_TYPE STREQUAL "Release")
     set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+  endif()
+  # These wait for people and sockets: compiling them is worth less time than what traces and reads scenes.
+  if(sources AND path MATCHES "^(web|studio|bench/studio|front|cli|coordinator/web|scenes/edit)")
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
   string(REPLACE "/" "_" uses "${MODULE_USES}")
   target_link_libraries(${target} ${scope} tessera_flags ${uses} ${MODULE_LINKS})

@@ -7,6 +7,7 @@ Prints the ten slowest tests, each skip with its reason, each failure with its f
 runs it alone, and "N passed, N failed, N skipped". Modules of Python's unittest and pytest are one test of
 ctest each; what they skip inside is told here, too. Exits with 1 where no test ran.
 """
+import os
 import re
 import sys
 import xml.etree.ElementTree
@@ -29,6 +30,9 @@ def first_error(case):
 
 
 def main(file, preset):
+    if not os.path.exists(file):
+        print("\nno test ran")
+        return 1
     cases = list(xml.etree.ElementTree.parse(file).getroot().iter("testcase"))
     skipped = [case for case in cases if case.get("status") in ("notrun", "disabled")]
     failed = [case for case in cases if case.get("status") == "fail"]

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/program_folder.h"
 #include "coordinator/render_loop.h"
 #include "proto/transport/zmq_transport.h"
 #include "tests/farm/fake_renderer.h"
@@ -26,10 +27,13 @@ using std::chrono::milliseconds;
 
 const std::atomic<bool> kNever{false};
 
+/// The program that plays workers, beside this one.
+std::string fake_worker() { return program_folder() / "farm_fake_worker"; }
+
 LocalWorkerOptions fake_workers(int count, int pause_ms) {
   LocalWorkerOptions options;
   options.count = count;
-  options.program = TESSERA_FAKE_WORKER;
+  options.program = fake_worker();
   options.extra_arguments = {"--pause", std::to_string(pause_ms)};
   return options;
 }
@@ -289,7 +293,7 @@ TEST(LocalWorkers, ThoseThatEndedInVainAreStartedAgainLater) {
   const TemporaryFolder folder;
   const std::filesystem::path script = folder / "worker", broken = folder / "broken";
   std::ofstream(script) << "#!/bin/sh\nif [ -e " << broken.string() << " ]; then exit 3; fi\nexec "
-                        << TESSERA_FAKE_WORKER << " \"$@\"\n";
+                        << fake_worker() << " \"$@\"\n";
   std::ofstream(broken) << "yes";
   std::filesystem::permissions(script, std::filesystem::perms::owner_all);
   LocalWorkerOptions options = fake_workers(2, 0);

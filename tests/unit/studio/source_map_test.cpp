@@ -7,13 +7,14 @@
 
 #include "base/file.h"
 #include "proto/wire/node_numbers.h"
+#include "tests/source_folder.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kSamples = TESSERA_SOURCE_FOLDER "/scenes/samples";
+const std::string kSamples = source_folder() + "/scenes/samples";
 
 std::shared_ptr<const SceneReading> read(const std::string& file) {
   return std::make_shared<const SceneReading>(read_for_studio(

@@ -9,11 +9,12 @@
 #include "studio/full_frame.h"
 #include "studio/scene_reading.h"
 #include "studio/source_map.h"
+#include "tests/source_folder.h"
 
 namespace tessera {
 namespace {
 
-const std::string kFilteredFolder = TESSERA_SOURCE_FOLDER "/scenes/samples";
+const std::string kFilteredFolder = source_folder() + "/scenes/samples";
 constexpr const char* kFilteredFile = "filter.tessera";
 /// Nodes 1 to 8, and those of the object: 9 and 10.
 constexpr const char* kFiltered = R"(

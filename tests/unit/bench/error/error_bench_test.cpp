@@ -10,6 +10,7 @@
 #include "proto/wire/scene_codec.h"
 #include "renderer/scene/read_settings.h"
 #include "tests/error_of.h"
+#include "tests/source_folder.h"
 #include "tests/temporary_folder.h"
 
 namespace tessera {
@@ -205,7 +206,7 @@ TEST(AccuracyScenes, ClosedFormsAreWhatTheRendererFinds) {
 }
 
 TEST(AccuracyScenes, TheCornellBoxIsTheSample) {
-  const std::string path = TESSERA_SOURCE_FOLDER "/scenes/samples/cornell.tessera";
+  const std::string path = source_folder() + "/scenes/samples/cornell.tessera";
   v1::Scene sample = read_scene_file(path, SceneEncoding::text).scene;
   v1::Scene ours = make_accuracy_scene("cornell").loaded.scene;
   EXPECT_EQ(ours.settings().width(), 128u);

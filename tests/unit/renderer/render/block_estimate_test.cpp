@@ -15,6 +15,7 @@
 #include "renderer/scene/scene_builder.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/generate/accuracy_scenes.h"
+#include "tests/source_folder.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {
@@ -397,7 +398,7 @@ LoadedScene load(const std::string& scene) {
   if (scene == "cell") return {parse_scene(cell("")), {}};
   if (scene == "cell through a lens") return {parse_scene(cell(kCellLens)), {}};
   if (scene.find('.') == std::string::npos) return make_accuracy_scene(scene).loaded;
-  return read_scene(TESSERA_SOURCE_FOLDER "/scenes/samples/" + scene);
+  return read_scene(source_folder() + "/scenes/samples/" + scene);
 }
 
 /// They take minutes: there with TESSERA_SEEDS alone.

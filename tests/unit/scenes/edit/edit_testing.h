@@ -14,6 +14,7 @@
 #include "proto/wire/scene_codec.h"
 #include "scenes/edit/edit.h"
 #include "scenes/edit/syntax_tree.h"
+#include "tests/source_folder.h"
 
 namespace tessera::edit {
 
@@ -30,7 +31,7 @@ inline std::string read_text(const std::filesystem::path& path) {
 /// Our samples of one ending, in the order of their names.
 inline std::vector<SampleText> samples(const std::string& ending) {
   std::vector<SampleText> found;
-  const std::filesystem::path folder = TESSERA_SOURCE_FOLDER "/scenes/samples";
+  const std::filesystem::path folder = source_folder() + "/scenes/samples";
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ending)
       found.push_back({entry.path().filename(), read_text(entry.path())});
