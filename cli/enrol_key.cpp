@@ -45,13 +45,13 @@ v1::EnrolAnswer ask_by(const KeyPair& token, const EnrolOptions& options, const 
   FarmClient client(*transport, options.endpoint, interrupted());
   try {
     return client.enrol(request);
-  } catch (const Error& error) {
-    if (error.code() == ExitCode::interrupted) throw;
-    if (error.code() != ExitCode::bad_usage) throw temporary_error(error.what());
+  } catch (const RefusedError& error) {
     v1::EnrolAnswer answer;
     answer.set_outcome(v1::EnrolAnswer::TOKEN_USED);
     answer.set_text(error.what());
     return answer;
+  } catch (const UnreachableError& error) {
+    throw temporary_error(error.what());
   }
 }
 
@@ -114,7 +114,6 @@ ExitCode enrol_key(const EnrolOptions& options) {
   }
   const std::vector<KeyPair> tokens = read_tokens(options.tokens);
   const Key server = read_public_key(options.server_key, "--server-key");
-  check_host_is_known(options.endpoint);
   const fs::path pending = options.key_file.string() + ".new";
   const KeyPair keys = pending_key(pending, options.name);
   v1::Enrol request;

@@ -39,9 +39,7 @@ FarmClient::FarmClient(ClientTransport& transport, std::string endpoint,
       stop_(stop),
       patience_(patience),
       last_heard_(monotonic_now()),
-      first_word_(last_heard_) {
-  check_host_is_known(endpoint_);
-}
+      first_word_(last_heard_) {}
 
 void FarmClient::receive(const Handler& handle, bool& done) {
   while (const auto received = transport_.receive()) {

@@ -17,12 +17,6 @@ namespace {
 
 }  // namespace
 
-void check_host_is_known(const std::string& endpoint) {
-  if (!is_unknown_host(endpoint)) return;
-  throw usage_error(fmt::format(
-      "endpoint '{}': the name of the host is unknown; expected tcp://HOST:PORT", endpoint));
-}
-
 void check_not_refused(const v1::Envelope& message, const std::string& endpoint) {
   if (!message.has_reject()) return;
   throw RefusedError(endpoint, fmt::format("the coordinator at {} refused: {}", endpoint,
@@ -31,6 +25,10 @@ void check_not_refused(const v1::Envelope& message, const std::string& endpoint)
 
 void check_let_in(const ClientTransport& transport, const std::string& endpoint) {
   const auto trouble = transport.trouble();
+  if (trouble && trouble->is_unknown_host) {
+    throw usage_error(fmt::format(
+        "endpoint '{}': the name of the host is unknown; expected tcp://HOST:PORT", endpoint));
+  }
   if (!trouble || !trouble->refused) return;
   throw RefusedError(
       endpoint, fmt::format("no connection to the coordinator at {}: {}", endpoint, trouble->why));
@@ -44,7 +42,7 @@ std::string known_trouble(const ClientTransport& transport) {
 void FirstWord::check(const ClientTransport& transport, const std::string& endpoint, Time now) {
   if (now < next_look_) return;
   constexpr int kLooks = 4, kFailedAttempts = 3;
-  const bool is_alone = nobody_listens(endpoint);
+  const bool is_alone = nobody_listens(transport.resolved_endpoint().value_or(endpoint));
   looks_at_nobody_ = is_alone ? looks_at_nobody_ + 1 : 0;
   next_look_ = now + (is_alone ? kSoon : kLooks * kSoon);
   if (now < earliest_end_) {
@@ -55,8 +53,8 @@ void FirstWord::check(const ClientTransport& transport, const std::string& endpo
   if (trouble && trouble->attempts >= kFailedAttempts) throw_unreachable(endpoint, *trouble);
   if (looks_at_nobody_ < kLooks) return;
   throw UnreachableError(
-      endpoint,
-      fmt::format("nothing listens at {}; expected a running 'tessera serve' there", endpoint));
+      endpoint, fmt::format("nothing listens at {}; expected a running 'tessera serve' there",
+                            with_address(endpoint, transport)));
 }
 
 void TroublePatience::check(const ClientTransport& transport, const std::string& endpoint,

@@ -35,11 +35,10 @@ class UnreachableError : public FarmError {
       : FarmError(ExitCode::render_failed, endpoint, message) {}
 };
 
-/// Throws usage_error where the host of the endpoint is certain to have no address.
-void check_host_is_known(const std::string& endpoint);
 /// Throws RefusedError if that is a coordinator's word that our key is not for what we asked.
 void check_not_refused(const v1::Envelope& message, const std::string& endpoint);
-/// Throws RefusedError if the coordinator at `endpoint` does not let us in.
+/// Throws RefusedError if the coordinator at `endpoint` does not let us in, and a plain usage_error
+/// where its host is certain to have no address.
 void check_let_in(const ClientTransport& transport, const std::string& endpoint);
 /// ": why" for what is wrong with the connection, as far as that is known.
 std::string known_trouble(const ClientTransport& transport);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "client/refusal.h"
 #include "front/job_name.h"
 #include "front/job_orders.h"
 #include "front/job_status.h"
@@ -24,9 +23,7 @@ v1::JobQuery question_about(uint64_t job, uint32_t frame = 0) {
 }  // namespace
 
 FarmAccess::FarmAccess(const FarmConnection& connection)
-    : connection_(connection), transport_(connect(connection)) {
-  check_host_is_known(connection.endpoint);
-}
+    : connection_(connection), transport_(connect(connection)) {}
 
 std::unique_lock<std::timed_mutex> FarmAccess::lock(const std::atomic<bool>& stop) {
   std::unique_lock lock(mutex_, std::defer_lock);

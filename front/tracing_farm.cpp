@@ -17,7 +17,6 @@
 #include <utility>
 
 #include "base/process.h"
-#include "client/refusal.h"
 #include "client/run_remote_job.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/local_workers.h"
@@ -265,9 +264,7 @@ class RemoteFarm : public TracingFarm {
   explicit RemoteFarm(const FarmConnection& connection)
       : endpoint_(connection.endpoint),
         patience_(connection.patience),
-        transport_(connect(connection)) {
-    check_host_is_known(endpoint_);
-  }
+        transport_(connect(connection)) {}
 
   JobResult run(JobSpec job, const ProgressCallback& progress,
                 const std::atomic<bool>& stop) override {

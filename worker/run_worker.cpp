@@ -192,15 +192,12 @@ class WorkerLoop {
     }
   }
 
-  /// Once: it may be starting, and its name may come to be known, so that neither is an error.
+  /// Once: it may be starting, so that this is no error.
   void tell_silence() {
     if (told_welcome_ || monotonic_now() < look_for_coordinator_) return;
     look_for_coordinator_ = Time::max();
-    if (is_unknown_host(endpoint_)) {
-      spdlog::warn("the name of the host of {} is unknown; trying again", endpoint_);
-    } else if (nobody_listens(endpoint_)) {
-      spdlog::warn("nothing listens at {}; trying again", endpoint_);
-    }
+    if (!nobody_listens(transport_.resolved_endpoint().value_or(endpoint_))) return;
+    spdlog::warn("nothing listens at {}; trying again", with_address(endpoint_, transport_));
   }
 
   /// True once the session wants to end.

@@ -9,8 +9,9 @@
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <utility>
+
+#include "proto/transport/signals_blocked.h"
 
 namespace tessera {
 namespace {
@@ -29,22 +30,6 @@ int end_all_that_wait(void* argument) {
 
 constexpr int kGuardEvents = ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED |
                              ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED;
-
-/// While it lives, signals go to other threads than this one and those that it starts.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before_);
-  }
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-
- private:
-  sigset_t before_;
-};
 
 }  // namespace
 

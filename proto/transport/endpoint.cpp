@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "proto/transport/socket_address.h"
 
 namespace tessera {
 namespace {
@@ -25,7 +26,9 @@ std::string Endpoint::str() const {
 }
 
 bool Endpoint::loopback() const {
-  return !tcp || host == "localhost" || host == "[::1]" || host.starts_with("127.");
+  if (!tcp || host == "localhost") return true;
+  const auto address = socket_address(host, port);
+  return address && address->is_loopback();
 }
 
 Endpoint parse_endpoint(const std::string& text) {

@@ -16,20 +16,21 @@ constexpr char kNoCoordinator[] =
 std::optional<ConnectionTrouble> trouble_of(int event, uint32_t value, bool has_keys) {
   switch (event) {
     case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
-      return ConnectionTrouble{"it does not let this key in", true};
+      return ConnectionTrouble{.why = "it does not let this key in", .refused = true};
     case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
       if (value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {
-        return ConnectionTrouble{"one side has keys and the other has none", true};
+        return ConnectionTrouble{.why = "one side has keys and the other has none",
+                                 .refused = true};
       }
-      if (!has_keys) return ConnectionTrouble{kNoCoordinator, false};
-      return ConnectionTrouble{"it has another key than was expected, or is no coordinator", false};
+      if (!has_keys) return ConnectionTrouble{.why = kNoCoordinator};
+      return ConnectionTrouble{.why = "it has another key than was expected, or is no coordinator"};
     case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
       // A coordinator that has no descriptor left hangs up as well, and lets in later.
-      if (!has_keys) return ConnectionTrouble{kNoCoordinator, false, 0};
+      if (!has_keys) return ConnectionTrouble{.why = kNoCoordinator, .attempts = 0};
       return ConnectionTrouble{
-          "it hung up in the midst of the handshake: perhaps it has another "
-          "key than was expected",
-          false};
+          .why =
+              "it hung up in the midst of the handshake: perhaps it has another key than was "
+              "expected"};
     default:
       return std::nullopt;
   }

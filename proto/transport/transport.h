@@ -76,7 +76,8 @@ class ServerTransport {
 /// Why no connection came about.
 struct ConnectionTrouble {
   std::string why;
-  bool refused = false;  ///< the server said so: trying again is of no use as things are
+  bool refused = false;          ///< the server said so: trying again is of no use as things are
+  bool is_unknown_host = false;  ///< it is certain that the name of its host has no address
   /// That failed one after the other; those that were hung up on without a reason do not count.
   int attempts = 1;
 };
@@ -96,6 +97,9 @@ class ClientTransport {
   virtual void reconnect() = 0;
   /// What went wrong the last time, if no connection has come about since.
   virtual std::optional<ConnectionTrouble> trouble() const { return std::nullopt; }
+  /// The endpoint by the address that its host's name was found to have. Nullopt where there is
+  /// none yet, or none is needed.
+  virtual std::optional<std::string> resolved_endpoint() const { return std::nullopt; }
   virtual void wake() = 0;
 };
 

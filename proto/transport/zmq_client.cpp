@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -11,8 +12,10 @@
 #include "base/descriptors.h"
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "proto/transport/address_finder.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/handshake_monitor.h"
+#include "proto/transport/socket_address.h"
 #include "proto/transport/zmq_sockets.h"
 #include "proto/transport/zmq_transport.h"
 
@@ -33,15 +36,17 @@ constexpr std::chrono::seconds kBulkSilence{20};
 
 class ZmqClient final : public ClientTransport {
  public:
-  ZmqClient(const Endpoint& endpoint, const std::optional<ClientKeys>& keys)
-      : endpoint_(endpoint), keys_(keys) {
+  ZmqClient(const Endpoint& endpoint, const std::optional<ClientKeys>& keys, ResolveHost resolve)
+      : keys_(keys),
+        wake_(std::make_shared<WakeUp>()),
+        host_(endpoint, std::move(resolve), wake_, monotonic_now()) {
     reconnect();
   }
 
   void reconnect() override {
     control_.kept.clear();
     control_.kept_bytes = 0;
-    open(control_, endpoint_, Channel::control);
+    open_control();
     // Opened again with the next connect_bulk(): it may be as dead as the other one was.
     close(bulk_);
     bulk_endpoint_.clear();
@@ -51,16 +56,22 @@ class ZmqClient final : public ClientTransport {
   void connect_bulk(const std::string& text) override {
     // "tcp://:PORT" is at the host that control was reached by.
     constexpr std::string_view kSameHost = "tcp://:";
+    const auto& control = host_.address();
     const std::string full =
-        text.starts_with(kSameHost) && endpoint_.tcp
-            ? fmt::format("tcp://{}:{}", endpoint_.host, text.substr(kSameHost.size()))
+        text.starts_with(kSameHost) && control && control->tcp
+            ? fmt::format("tcp://{}:{}", control->host, text.substr(kSameHost.size()))
             : text;
     if (full == bulk_endpoint_) return;
     bulk_endpoint_ = full;
     bulk_there_ = monotonic_now();
     bulk_fault_.clear();
     try {
-      open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
+      const Endpoint bulk = parse_endpoint(bulk_endpoint_);
+      if (bulk.tcp && !socket_address(bulk.host, bulk.port)) {
+        throw usage_error(fmt::format(
+            "scenes and pictures go by '{}'; expected the address of that host", bulk_endpoint_));
+      }
+      open(bulk_, bulk, Channel::bulk);
     } catch (const Error& error) {  // what the other side says ends nobody
       close(bulk_);
       bulk_fault_ = error.what();
@@ -70,17 +81,19 @@ class ZmqClient final : public ClientTransport {
   void wait(std::chrono::milliseconds timeout) override {
     std::array<zmq::pollitem_t, 3> items;
     size_t count = 0;
-    items[count++] = {nullptr, wake_.descriptor(), ZMQ_POLLIN, 0};
+    items[count++] = {nullptr, wake_->descriptor(), ZMQ_POLLIN, 0};
     for (Line* line : {&control_, &bulk_}) {
       if (!line->socket) continue;
       const int events = ZMQ_POLLIN | (line->kept.empty() ? 0 : ZMQ_POLLOUT);
       items[count++] = {line->socket.handle(), 0, static_cast<short>(events), 0};
     }
     poll_sockets(std::span(items).first(count), timeout);
-    wake_.clear();
+    wake_->clear();
     for (Line* line : {&control_, &bulk_}) {
       if (line->monitor) line->monitor->read();
     }
+    const bool connected = control_.monitor && control_.monitor->connected();
+    if (host_.update(connected, monotonic_now())) open_control();
     if (!bulk_.monitor || bulk_.monitor->connected()) bulk_there_ = monotonic_now();
     revive_bulk();
     flush(control_);
@@ -121,14 +134,22 @@ class ZmqClient final : public ClientTransport {
 
   std::optional<ConnectionTrouble> trouble() const override {
     if (control_.monitor && control_.monitor->trouble()) return control_.monitor->trouble();
-    if (!bulk_fault_.empty()) return ConnectionTrouble{bulk_fault_, false};
+    if (!control_.monitor || !control_.monitor->connected()) {
+      if (auto trouble = host_.trouble(monotonic_now())) return trouble;
+    }
+    if (!bulk_fault_.empty()) return ConnectionTrouble{.why = bulk_fault_};
     if (!bulk_.monitor || monotonic_now() - bulk_there_ < kBulkPatience) return std::nullopt;
     // Never refused: the other line is there, and this one is tried for ever.
     return ConnectionTrouble{
-        fmt::format("scenes and pictures go by {}, which does not answer", bulk_endpoint_), false};
+        .why = fmt::format("scenes and pictures go by {}, which does not answer", bulk_endpoint_)};
   }
 
-  void wake() override { wake_.wake(); }
+  std::optional<std::string> resolved_endpoint() const override {
+    if (!host_.address()) return std::nullopt;
+    return host_.address()->str();
+  }
+
+  void wake() override { wake_->wake(); }
 
  private:
   struct Line {
@@ -161,6 +182,16 @@ class ZmqClient final : public ClientTransport {
     open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
   }
 
+  /// Where the host's address is not known yet, there is no socket, and messages are kept.
+  void open_control() {
+    if (host_.address()) {
+      open(control_, *host_.address(), Channel::control);
+    } else {
+      close(control_);
+    }
+  }
+
+  /// `endpoint` by address: names would be resolved by the thread that serves all sockets.
   void open(Line& line, const Endpoint& endpoint, Channel channel) {
     close(line);
     line.opened = monotonic_now();
@@ -205,27 +236,28 @@ class ZmqClient final : public ClientTransport {
   }
 
   zmq::context_t context_{1};
-  Endpoint endpoint_;
   std::optional<ClientKeys> keys_;
+  std::shared_ptr<WakeUp> wake_;  ///< shared with threads that resolve the host's name
+  AddressFinder host_;
   std::string bulk_endpoint_;
   std::string bulk_fault_;  ///< why there can be no bulk line
   Line control_, bulk_;
   Time bulk_there_{};                    ///< when it was last connected, or had no need to be
   std::optional<Time> bulk_unanswered_;  ///< since when there was no message on it
   std::chrono::seconds bulk_silence_ = kBulkSilence;
-  WakeUp wake_;
 };
 
 }  // namespace
 
 std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint,
-                                                const std::optional<ClientKeys>& keys) {
+                                                const std::optional<ClientKeys>& keys,
+                                                ResolveHost resolve) {
   const Endpoint parsed = parse_endpoint(endpoint);
   if (parsed.tcp && parsed.port == 0) {
     throw usage_error(fmt::format("endpoint '{}' has no port; expected tcp://HOST:PORT", endpoint));
   }
   check_room_for_descriptors(kTransportDescriptors);
-  return std::make_unique<ZmqClient>(parsed, keys);
+  return std::make_unique<ZmqClient>(parsed, keys, std::move(resolve));
 }
 
 }  // namespace tessera

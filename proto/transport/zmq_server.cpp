@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <net/if.h>
 
 #include <array>
 #include <cerrno>
@@ -13,6 +14,7 @@
 #include "proto/transport/accept_guard.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/peer_connections.h"
+#include "proto/transport/socket_address.h"
 #include "proto/transport/socket_file.h"
 #include "proto/transport/zap_handler.h"
 #include "proto/transport/zmq_sockets.h"
@@ -24,6 +26,8 @@ namespace {
 /// Connections that the system keeps until libzmq accepts them, so that of many that come at once
 /// none is dropped, which it would notice seconds later. The system may keep fewer (somaxconn).
 constexpr int kBacklog = 4096;
+/// Name servers may be slow when a machine starts.
+constexpr std::chrono::seconds kResolvePatience{10};
 
 class ZmqServer final : public ServerTransport {
  public:
@@ -36,7 +40,10 @@ class ZmqServer final : public ServerTransport {
       socket->set(zmq::sockopt::router_mandatory, 1);
       socket->set(zmq::sockopt::backlog, kBacklog);
       if (security.keys) ZapHandler::protect(*socket, *security.keys);
-      if (endpoint.host.starts_with("[")) socket->set(zmq::sockopt::ipv6, 1);
+      // A socket of IPv6 has `*` for both families, where the machine has IPv6 at all.
+      if (endpoint.host.starts_with("[") || endpoint.host == "*") {
+        socket->set(zmq::sockopt::ipv6, 1);
+      }
     }
     guard_.emplace(context_, std::vector{&control_, &bulk_}, zap_.has_value());
     Endpoint bulk = endpoint;
@@ -240,8 +247,25 @@ class JoinedServers final : public ServerTransport {
   size_t next_ = 0;  ///< whose message is received next
 };
 
+/// The address to bind for a host: libzmq resolves no names there.
+std::string bound_host(const Endpoint& endpoint) {
+  const std::string& host = endpoint.host;
+  const bool is_interface = if_nametoindex(host.c_str()) != 0;
+  if (host == "*" || is_interface || socket_address(host, endpoint.port)) return host;
+  const ResolvedHost found = resolve_within(kResolvePatience, host);
+  if (!found.addresses.empty()) return found.addresses.front();
+  if (!found.is_unknown) {
+    throw temporary_error(fmt::format("cannot bind endpoint '{}': its host cannot be resolved: {}",
+                                      endpoint.str(), found.failure));
+  }
+  throw usage_error(fmt::format(
+      "cannot bind endpoint '{}': the name of the host is unknown; expected one of this "
+      "machine, or an address",
+      endpoint.str()));
+}
+
 std::unique_ptr<ZmqServer> bind_one(const std::string& endpoint, ServerSecurity security) {
-  const Endpoint parsed = parse_endpoint(endpoint);
+  Endpoint parsed = parse_endpoint(endpoint);
   if (!parsed.loopback() && !security.keys && !security.insecure) {
     throw usage_error(
         fmt::format("endpoint '{}' can be reached from other machines; expected keys (--key and "
@@ -254,6 +278,7 @@ std::unique_ptr<ZmqServer> bind_one(const std::string& endpoint, ServerSecurity 
         "port from 1 to 65534",
         endpoint));
   }
+  if (parsed.tcp) parsed.host = bound_host(parsed);
   check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqServer>(parsed, std::move(security));
 }

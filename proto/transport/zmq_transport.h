@@ -7,6 +7,7 @@
 
 #include "proto/transport/allow_list.h"
 #include "proto/transport/keys.h"
+#include "proto/transport/resolve_host.h"
 #include "proto/transport/transport.h"
 
 namespace tessera {
@@ -21,7 +22,8 @@ struct ServerSecurity {
 };
 
 /// Binds control and bulk sockets. `endpoint` is ipc://PATH or tcp://HOST:PORT (PORT `*` or 0: any
-/// that is free). Blobs are at PATH.bulk, or at PORT + 1 (any, where PORT is). Throws usage_error
+/// that is free; HOST a name, an address, `*` for all addresses of both families, or an interface).
+/// Blobs are at PATH.bulk, or at PORT + 1 (any, where PORT is). Throws usage_error
 /// for an endpoint that is malformed, in use, or neither loopback nor protected, and for a path at
 /// which there is something else than a socket. Its sockets' files are removed with it.
 std::unique_ptr<ServerTransport> bind_server(const std::string& endpoint,
@@ -43,8 +45,10 @@ struct ClientKeys {
 };
 
 /// Connects in the background and again whenever the connection is lost; whether anybody answers is
-/// for the caller to find out. Throws usage_error for a malformed endpoint.
+/// for the caller to find out. Throws usage_error for a malformed endpoint. A host's name is given
+/// to `resolve`, on threads of their own, again whenever there is no connection.
 std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint,
-                                                const std::optional<ClientKeys>& keys = {});
+                                                const std::optional<ClientKeys>& keys = {},
+                                                ResolveHost resolve = resolve_by_system);
 
 }  // namespace tessera

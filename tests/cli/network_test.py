@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Bad networks between coordinator and workers: a relay in between that delays, slices, holds back,
 swallows and resets; and, where the kernel has it, netem in a network namespace."""
+import json
 import os
 import random
 import selectors
@@ -13,8 +14,8 @@ import time
 import unittest
 
 from blob_cache_test import hills
-from service_test import LOAD, TILES, ServiceTest
-from tessera_process import PATIENCE, PROGRAM, wait_until
+from service_test import LOAD, TILES, ServiceTest, free_port
+from tessera_process import PATIENCE, PROGRAM, catches, wait_until
 
 
 BOTH = ("control", "bulk")
@@ -358,6 +359,213 @@ class Netem(ServiceTest):
         self.stop(service)
         for worker in workers:
             worker.wait(60)
+
+
+NAME_SERVER = """
+import json, pathlib, socket, struct, sys, threading, time
+said = pathlib.Path(sys.argv[2])
+family = socket.AF_INET6 if ":" in sys.argv[1] else socket.AF_INET
+server = socket.socket(family, socket.SOCK_DGRAM)
+server.bind((sys.argv[1], 53))
+print("ready", flush=True)
+def answer(query, asker, says):
+    time.sleep(says.get("after", 0))
+    end = query.index(b"\\0", 12) + 5
+    kind = struct.unpack("!H", query[end - 4:end - 2])[0]
+    found = {1: says.get("A", []), 28: says.get("AAAA", [])}.get(kind, [])
+    code = 3 if says.get("unknown") else 0
+    reply = query[:2] + struct.pack("!HHHHH", 0x8180 | code, 1, len(found), 0, 0) + query[12:end]
+    for address in found:
+        data = socket.inet_pton(socket.AF_INET if kind == 1 else socket.AF_INET6, address)
+        reply += b"\\xc0\\x0c" + struct.pack("!HHIH", kind, 1, 0, len(data)) + data
+    server.sendto(reply, asker)
+while True:
+    query, asker = server.recvfrom(2048)
+    says = json.loads(said.read_text())
+    if "silent" not in says:
+        threading.Thread(target=answer, args=(query, asker, says), daemon=True).start()
+"""
+
+
+@unittest.skipIf(os.geteuid() != 0 or not shutil.which("nsenter"), "needs root, nsenter and iproute2")
+class Names(ServiceTest):
+    """The coordinator's host is given by name, in a network of its own with a name server that says
+    what the test wants. Asked in vain, the system's resolver waits longer than any test does."""
+    spp = 16
+
+    def enter(self, *setup, server="127.0.0.1"):
+        """Makes the network: loopback, after `setup` by `ip`, and the name server."""
+        resolver = self.write("resolv.conf", f"nameserver {server}\noptions timeout:30 attempts:5\n")
+        hosts = self.write("hosts", "127.0.0.1 localhost\n")
+        script = (f"mount --bind {resolver} /etc/resolv.conf && mount --bind {hosts} /etc/hosts && "
+                  "ip link set lo up && echo ready && exec sleep 3600")
+        network = subprocess.Popen(["unshare", "-n", "-m", "sh", "-c", script], text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(self.end, network)
+        if network.stdout.readline() != "ready\n":
+            network.kill()
+            why = network.communicate()[1].strip()
+            print(f"SKIPPED: a network namespace is not permitted: {why}", flush=True)
+            self.skipTest("a network namespace")
+        self.inside = ("nsenter", "-t", str(network.pid), "-n", "-m", "--")
+        for command in setup:
+            done = subprocess.run([*self.inside, *command.split()], capture_output=True, text=True)
+            if done.returncode != 0:
+                print(f"SKIPPED: {command}: {done.stderr.strip()}", flush=True)
+                self.skipTest(command)
+        self.said = self.folder / "said.json"
+        self.say(unknown=True)
+        names = subprocess.Popen(
+            [*self.inside, "python3", self.write("names.py", NAME_SERVER), server, self.said],
+            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(self.end, names)
+        self.assertEqual("ready\n", names.stdout.readline())
+        self.port = free_port()
+        self.endpoint = f"tcp://farm.test:{self.port}"
+
+    def say(self, **says):
+        """What the name server says from now on."""
+        half = self.folder / "said.new"
+        half.write_text(json.dumps(says))
+        half.rename(self.folder / "said.json")
+
+    def start(self, *arguments, **options):
+        process = subprocess.Popen(
+            [*self.inside, PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment(),
+            text=True, stdin=subprocess.DEVNULL,
+            **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
+        self.addCleanup(self.end, process)
+        return process
+
+    def serve_at(self, host):
+        process = self.start("serve", "--bind", f"tcp://{host}:{self.port}", "--store", self.store,
+                             "--insecure")
+        line = process.stdout.readline()
+        self.assertIn("serving at", line, process.stderr.read() if not line else "")
+        return process
+
+    def logging_worker(self, *options):
+        log = open(self.folder / "worker.log", "a")
+        self.addCleanup(log.close)
+        return self.start("worker", "--connect", self.endpoint, "--threads", 1, *options, stderr=log)
+
+    def log(self):
+        return (self.folder / "worker.log").read_text()
+
+    def renders(self, host):
+        """A farm whose coordinator is at that address does a picture, by its name alone."""
+        service, worker = self.serve_at(host), self.logging_worker()
+        picture = self.run_program("render", self.scene, "-o", "far.pfm", "--quiet", *LOAD, self.spp,
+                                   "--connect", self.endpoint)
+        self.assertEqual(0, picture.code, picture.err)
+        self.stop(service)
+        self.assertEqual(0, worker.wait(PATIENCE), self.log())
+
+    def ends(self, process, sent, code):
+        process.send_signal(sent)
+        self.assertEqual(code, process.wait(PATIENCE), "a name server is waited for")
+
+    def test_a_host_with_ipv4_alone(self):
+        self.enter("sysctl -qw net.ipv6.conf.all.disable_ipv6=1")
+        self.say(A=["127.0.0.2"])
+        self.renders("127.0.0.2")
+
+    def test_a_host_with_ipv6_alone(self):
+        self.enter("ip addr add fd77::1/64 dev lo nodad", "ip addr del 127.0.0.1/8 dev lo",
+                   server="::1")
+        self.say(AAAA=["fd77::1"])
+        self.renders("[fd77::1]")
+
+    def test_a_host_with_both_of_which_one_is_lost(self):
+        """What goes to the other one's network is never answered."""
+        hole = ("ip link add hole type dummy", "ip link set hole up",
+                "ip addr add 192.0.2.1/24 dev hole", "ip addr add fd88::1/64 dev hole nodad")
+        self.enter("ip addr add fd77::1/64 dev lo nodad", *hole)
+        for host, says in (("[fd77::1]", {"A": ["192.0.2.77"], "AAAA": ["fd77::1"]}),
+                           ("127.0.0.2", {"A": ["127.0.0.2"], "AAAA": ["fd88::77"]}),
+                           ("127.0.0.2", {"A": ["192.0.2.77", "127.0.0.2"]}),
+                           ("*", {"A": ["127.0.0.2"], "AAAA": ["fd77::1"]})):
+            with self.subTest(host=host, says=says):
+                self.say(**says)
+                self.renders(host)
+
+    def test_a_name_server_that_falls_silent(self):
+        self.enter()
+        self.say(A=["127.0.0.2"])
+        service, worker = self.serve_at("127.0.0.2"), self.logging_worker()
+        job = self.submit()
+        wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
+        self.say(silent=True)
+        service.kill()
+        service.communicate()
+        service = self.serve_at("127.0.0.2")
+        self.endpoint = f"tcp://127.0.0.2:{self.port}"
+        wait_until(lambda: "1 worker" in self.ask("status"), "it is back, by the last address")
+        self.assertEqual("done", self.finished(job))
+        service.kill()
+        service.communicate()
+        wait_until(lambda: "no name server answers for the host of" in self.log(), "the cause is told")
+        self.ends(worker, signal.SIGTERM, 0)
+
+    def finished(self, job):
+        return wait_until(lambda: (state := self.status(job)["state"]) != "running" and state,
+                          "the job has ended")
+
+    def test_a_name_server_that_was_never_heard(self):
+        self.enter()
+        self.say(silent=True)
+        worker = self.logging_worker()
+        asks = self.run_program("status", "--connect", self.endpoint)
+        self.assert_error(asks, 3, "no name server answers for the host of", self.endpoint)
+        self.assertIn(f"no name server answers for the host of {self.endpoint}", self.log())
+        asker = self.start("status", "--connect", self.endpoint)
+        wait_until(lambda: catches(asker, signal.SIGINT), "it heeds Ctrl-C")
+        self.ends(asker, signal.SIGINT, 4)
+        self.ends(worker, signal.SIGTERM, 0)
+
+    def test_a_name_server_that_is_slow(self):
+        self.enter()
+        self.say(A=["127.0.0.2"], after=3)
+        service = self.serve_at("127.0.0.2")
+        self.assertIn("0 workers", self.ask("status"))
+        self.stop(service)
+
+    def test_a_name_server_that_is_wrong_and_changes_its_answer(self):
+        self.enter()
+        asks = self.run_program("status", "--connect", self.endpoint)
+        self.assert_error(asks, 2, self.endpoint, "the name of the host is unknown")
+        asks = self.run_program("serve", "--bind", self.endpoint, "--insecure")
+        self.assert_error(asks, 2, self.endpoint, "the name of the host is unknown")
+        service, worker = self.serve_at("127.0.0.2"), self.logging_worker()
+        wait_until(lambda: f"the name of the host of {self.endpoint} is unknown" in self.log(), "told")
+        self.say(A=["127.0.0.9"])  # where nothing is
+        asks = self.run_program("status", "--connect", self.endpoint)
+        self.assert_error(asks, 3, f"nothing listens at {self.endpoint}, which is tcp://127.0.0.9")
+        self.say(A=["127.0.0.2"])
+        wait_until(lambda: "1 worker" in self.ask("status"), "it has found the coordinator")
+        self.stop(service)
+        self.assertEqual(0, worker.wait(PATIENCE), self.log())
+
+    def test_a_coordinator_that_moves(self):
+        self.enter()
+        self.say(A=["127.0.0.2"])
+        service, worker = self.serve_at("127.0.0.2"), self.logging_worker()
+        wait_until(lambda: "1 worker" in self.ask("status"), "it is there")
+        service.kill()
+        service.communicate()
+        self.say(A=["127.0.0.3"])
+        service = self.serve_at("127.0.0.3")
+        wait_until(lambda: "1 worker" in self.ask("status"), "it has followed")
+        self.stop(service)
+        self.assertEqual(0, worker.wait(PATIENCE), self.log())
+
+    def test_a_coordinator_bound_to_a_name(self):
+        self.enter()
+        self.say(A=["127.0.0.2"])
+        for name in ("localhost", "farm.test"):
+            with self.subTest(name=name):
+                self.endpoint = f"tcp://{name}:{self.port}"
+                self.renders(name)
 
 
 # Those of the class that these are made from have their own run.

@@ -30,7 +30,7 @@ class FakeTransport final : public ClientTransport {
   void wake() override {}
   std::optional<ConnectionTrouble> trouble() const override {
     if (failed_ == 0) return std::nullopt;
-    return ConnectionTrouble{"it has another key", false, failed_};
+    return ConnectionTrouble{.why = "it has another key", .attempts = failed_};
   }
 
  private:

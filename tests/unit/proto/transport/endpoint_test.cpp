@@ -17,10 +17,12 @@ TEST(Endpoint, IsReadAndPrinted) {
 }
 
 TEST(Endpoint, KnowsWhatOthersCanReach) {
-  for (const char* text : {"ipc:///x", "tcp://127.0.0.1:1", "tcp://localhost:1", "tcp://[::1]:1"}) {
+  for (const char* text : {"ipc:///x", "tcp://127.0.0.1:1", "tcp://localhost:1", "tcp://[::1]:1",
+                           "tcp://127.1.2.3:1", "tcp://[0:0:0:0:0:0:0:1]:1"}) {
     EXPECT_TRUE(parse_endpoint(text).loopback()) << text;
   }
-  for (const char* text : {"tcp://0.0.0.0:1", "tcp://*:1", "tcp://[::]:1", "tcp://10.0.0.1:1"}) {
+  for (const char* text : {"tcp://0.0.0.0:1", "tcp://*:1", "tcp://[::]:1", "tcp://10.0.0.1:1",
+                           "tcp://127.evil.example:1", "tcp://localhost.evil.example:1"}) {
     EXPECT_FALSE(parse_endpoint(text).loopback()) << text;
   }
 }
