@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <pthread.h>
-#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
 #include <string.h>
@@ -15,7 +14,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <thread>
 
 #include "base/error.h"
 
@@ -75,13 +73,6 @@ pid_t start_process(const std::string& program, std::vector<std::string> argumen
     throw render_error(fmt::format("'{}' cannot be started: {}", program, std::strerror(failure)));
   }
   return process;
-}
-
-int core_count() {
-  cpu_set_t allowed;
-  // Of more than 1,024 it tells by failing.
-  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
-  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 void check_room_for_threads(int count) {

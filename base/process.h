@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/core_count.h"
+
 namespace tessera {
 
 struct ProcessStreams {
@@ -19,9 +21,6 @@ struct ProcessStreams {
 pid_t start_process(const std::string& program, std::vector<std::string> arguments,
                     const ProcessStreams& streams = {});
 
-/// How many threads can run at once here, as far as is known: on the cores that this process may
-/// use (sched_setaffinity, cpusets). At least 1.
-int core_count();
 /// Throws render_error where the stacks of so many more threads find no room (ulimit -v): told
 /// before, since libraries that cannot start a thread abort.
 void check_room_for_threads(int count);

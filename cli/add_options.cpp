@@ -34,6 +34,16 @@ void add_options(CLI::App& command, const OptionList& options) {
   }
 }
 
+void check_texts(CLI::App& command) {
+  for (CLI::Option* option : command.get_options([](const CLI::Option*) { return true; })) {
+    if (option->get_items_expected_max() == 0) continue;  // a flag
+    const std::string type = option->get_type_name();
+    option->check([type](const std::string& text) { return wrong_text(text, type); });
+  }
+  const auto any = [](const CLI::App*) { return true; };
+  for (CLI::App* below : command.get_subcommands(any)) check_texts(*below);
+}
+
 void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_t most,
                const std::string& text, std::function<void(int64_t)> assign) {
   command
@@ -41,6 +51,18 @@ void add_whole(CLI::App& command, const std::string& name, int64_t least, int64_
           name, [=](const std::string& typed) { assign(parse_whole(name, typed, least, most)); },
           text)
       ->type_name("N");
+}
+
+void add_http_origin(CLI::App& command, std::optional<PublicAddress>& address) {
+  command
+      .add_option_function<std::string>(
+          "--http-origin",
+          [&address](const std::string& text) {
+            address = parse_public_address("--http-origin", text);
+          },
+          "Where browsers reach the page if a proxy is before it, such as "
+          "https://farm.example/tessera/: orders of the page there are taken")
+      ->type_name("URL");
 }
 
 }  // namespace tessera

@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <thread>
 
 #include "base/file.h"
 #include "base/monotonic.h"
+#include "base/process.h"
 #include "bench/error/report.h"
 #include "bench/error_bench.h"
 #include "bench/error_render.h"
@@ -171,9 +171,7 @@ ErrorBenchOptions bench_options(const ErrorCommandOptions& options) {
   out.least_samples = options.least_samples.value_or(1);
   out.most_samples = options.most_samples.value_or(options.quick ? 64 : 4096);
   out.seeds = options.seeds.value_or(options.quick ? 8 : 32);
-  out.threads = options.threads > 0
-                    ? options.threads
-                    : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  out.threads = options.threads > 0 ? options.threads : core_count();
   out.cpu_time = options.cpu_time;
   // Their error has to be a fifth of the last row's: that is 25 / 2 times the samples.
   constexpr int kLeastReference = 256, kMostReference = 65536;

@@ -15,6 +15,7 @@
 
 #include "base/log.h"
 #include "base/version.h"
+#include "cli/add_options.h"
 #include "cli/say.h"
 
 namespace tessera {
@@ -128,6 +129,23 @@ std::vector<const char*> with_help_as_option(int argc, const char* const* argv) 
   return arguments;
 }
 
+/// The arguments as CLI11 takes them: from the last to the first, without the program's name. Of
+/// "--name=" it would take the next argument for the value; here its value is the empty text.
+std::vector<std::string> reversed(const std::vector<const char*>& arguments) {
+  std::vector<std::string> out;
+  bool are_options = true;
+  for (auto at = arguments.begin() + 1; at != arguments.end(); ++at) {
+    const std::string_view argument = *at;
+    are_options = are_options && argument != "--";
+    const bool is_empty =
+        are_options && argument.starts_with("--") && argument.find('=') + 1 == argument.size();
+    out.emplace_back(argument.substr(0, argument.size() - (is_empty ? 1 : 0)));
+    if (is_empty) out.emplace_back();
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
 /// For an option without its value, or with several.
 std::string wrong_count(const CLI::App& command, const CLI::ArgumentMismatch& error) {
   const std::string_view what = error.what();
@@ -190,11 +208,11 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_info_command(app, action);
   add_compare_command(app, action);
   add_bench_command(app, action);
+  check_texts(app);
   try {
     const std::vector<const char*> arguments = with_help_as_option(argc, argv);
-    const int count = static_cast<int>(arguments.size());
-    check_command_name(app, count, arguments.data());
-    app.parse(count, arguments.data());
+    check_command_name(app, static_cast<int>(arguments.size()), arguments.data());
+    app.parse(reversed(arguments));
   } catch (const CLI::Success& help) {  // --help and --version
     app.exit(help);
     return ExitCode::done;

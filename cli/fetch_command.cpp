@@ -65,7 +65,8 @@ class Fetch {
         client_(*transport_, options.connection.endpoint, interrupted()) {}
 
   ExitCode run() {
-    query_.set_job(find_job(client_, options_.job, say_error));
+    query_.set_job(options_.forget ? find_job_to_change(client_, options_.job)
+                                   : find_job(client_, options_.job, say_error));
     v1::JobStatus status = client_.ask(query_);
     paths_ = options_.outputs;
     // The name of a job is text from elsewhere: no folder of it counts.
@@ -171,7 +172,9 @@ void add_fetch_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<FetchOptions>();
   CLI::App* command = app.add_subcommand("fetch", "Get the pictures of a farm's job");
   command->footer(kFetchFooter);
-  command->add_option("JOB", options->job, "The job, by its number or name")
+  command
+      ->add_option("JOB", options->job,
+                   "The job, by its number or name; name:NAME where the name is a number")
       ->type_name("JOB")
       ->required();
   OptionList connecting, output;

@@ -115,7 +115,7 @@ ExitCode retry(const JobOptions& options) {
   }
   Connection connection(options.connection);
   std::vector<uint64_t> jobs;
-  if (!options.all_failed) jobs = {find_job(connection.client, options.job, say_error)};
+  if (!options.all_failed) jobs = {find_job_to_change(connection.client, options.job)};
   if (options.all_failed) {
     const v1::JobList list = connection.client.list();
     for (const v1::JobStatus& job : list.jobs()) {
@@ -141,7 +141,7 @@ ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
   configure_logging("warn", "order");
   Connection connection(options.connection);
   v1::JobQuery query;
-  query.set_job(find_job(connection.client, options.job, say_error));
+  query.set_job(find_job_to_change(connection.client, options.job));
   query.set_action(action);
   if (options.priority) query.set_priority(*options.priority);
   const v1::JobStatus status = give_order(connection.client, query, options.forget);
@@ -155,7 +155,9 @@ ExitCode order(const JobOptions& options, v1::JobQuery::Action action) {
 }
 
 void add_job_argument(CLI::App& command, JobOptions& options, bool required) {
-  command.add_option("JOB", options.job, "The job, by its number or name")
+  command
+      .add_option("JOB", options.job,
+                  "The job, by its number or name; name:NAME where the name is a number")
       ->type_name("JOB")
       ->required(required);
   OptionList list;

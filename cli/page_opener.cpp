@@ -14,8 +14,13 @@
 namespace tessera {
 
 PageOpener::PageOpener(const std::string& address) {
-  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return;
-  const char* const runtime = std::getenv("XDG_RUNTIME_DIR");
+  // By the specifications of these variables an empty one is as one that is not set.
+  const auto variable = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return value && *value ? value : nullptr;
+  };
+  if (!variable("DISPLAY") && !variable("WAYLAND_DISPLAY")) return;
+  const char* const runtime = variable("XDG_RUNTIME_DIR");
   std::error_code error;
   const std::filesystem::path folder =
       runtime ? runtime : std::filesystem::temp_directory_path(error);

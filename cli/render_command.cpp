@@ -66,7 +66,7 @@ class RenderRun {
     check_render_options(options_);
     check_outputs(options_);
     if (options_.resume) store_ = std::make_shared<SqliteTileStore>(kept_tiles_path(options_));
-    const auto first = options_.frames ? std::optional(options_.frames->first) : std::nullopt;
+    const auto first = options_.frames ? std::optional(options_.frames->front()) : std::nullopt;
     // Workers get ready while the scene is read, and so does what writes PNG, which waits for
     // little.
     for (const auto& path : picture_paths(options_)) {
@@ -95,13 +95,12 @@ class RenderRun {
   }
 
   void render_all_frames() {
-    for (int frame = options_.frames->first; frame <= options_.frames->last; ++frame) {
-      if (frame > options_.frames->first) {
+    for (const int frame : *options_.frames) {
+      if (frame > options_.frames->front()) {
         began_ = Clock::now();
         if (scene_.loaded.depends_on_frame) read(frame);
       }
-      const bool last = frame == options_.frames->last;
-      render_frame(frame, last);
+      render_frame(frame, frame == options_.frames->back());
       ++frames_written_;
     }
   }
@@ -208,7 +207,7 @@ class RenderRun {
       return fmt::format("the picture has {} a pixel; {}", counted(pass_samples_, "sample"), kept);
     }
     if (!options_.frames) return "no picture was written; " + kept;
-    const int frames = options_.frames->last - options_.frames->first + 1;
+    const size_t frames = options_.frames->size();
     return fmt::format("{} of {} {} written; of the next, {}", frames_written_,
                        counted(frames, "frame"), frames == 1 ? "was" : "were", kept);
   }

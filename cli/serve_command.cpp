@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "cli/add_options.h"
 #include "cli/command_line.h"
 #include "cli/interrupt.h"
 #include "cli/log_format.h"
@@ -40,6 +41,7 @@ struct ServeOptions {
   SecurityOptions security;
   std::string enrolled;
   std::string http, http_token, tev, store;
+  std::optional<PublicAddress> public_address;  ///< of a proxy before the page
   bool json_log = false;
   double verify = 0;
 };
@@ -90,6 +92,7 @@ CoordinatorOptions coordinator_options(const ServeOptions& options) {
 FarmPage::Options page_options(const ServeOptions& options) {
   return {.address = options.http,
           .token_file = options.http_token,
+          .public_address = options.public_address,
           .has_keys = !options.security.key.empty(),
           .stopping = &interrupted()};
 }
@@ -108,6 +111,9 @@ ExitCode serve(const ServeOptions& options) {
   if (options.http.empty() && !options.http_token.empty()) {
     throw usage_error("--http-token: needs --http, the page's address, beside it");
   }
+  if (options.http.empty() && options.public_address) {
+    throw usage_error("--http-origin: needs --http, the page's address here, beside it");
+  }
   std::optional<FarmPage> page;
   if (!options.http.empty()) page.emplace(page_options(options));
   std::optional<TevViewer> tev;
@@ -124,7 +130,7 @@ ExitCode serve(const ServeOptions& options) {
   RenderLoop loop(bind_server(options.endpoint, std::move(security)), rules, std::move(store));
   loop.enrol_into(&keys);
   say("serving at {}\n", loop.endpoint());
-  if (page) say("page at http://{}/\n", page->address());
+  if (page) say("page at {}\n", page->url());
   loop.observe(
       [&](Coordinator& coordinator, Time now) {
         if (page) page->look(coordinator, now);
@@ -194,6 +200,7 @@ void add_serve_command(CLI::App& app, Action& action) {
       ->add_option("--http-token", options->http_token,
                    "Who may see the page: lines TOKEN ROLE NAME, ROLE being viewer or submitter")
       ->type_name("FILE");
+  add_http_origin(*command, options->public_address);
   command->add_option("--tev", options->tev, "Show what is traced in the image viewer tev there")
       ->type_name("HOST:PORT");
   add_log_format(*command, options->json_log);

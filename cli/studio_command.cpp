@@ -151,7 +151,7 @@ ExitCode run_studio(StudioCommand command) {
     loop.observe([&studio](Coordinator& coordinator, Time now) { studio.look(coordinator, now); },
                  kBetweenLooks);
     workers.start();
-    const std::string page = fmt::format("http://{}/", studio.address());
+    const std::string page = studio.url();
     const std::string address =
         studio.token().empty() ? page : fmt::format("{}#token={}", page, studio.token());
     say("studio at {}\n", address);
@@ -197,6 +197,7 @@ void add_studio_command(CLI::App& app, Action& action) {
                    "Who may see the page, and who may edit: lines TOKEN ROLE NAME, ROLE being "
                    "viewer or submitter [a new token]")
       ->type_name("FILE");
+  add_http_origin(*command, options->studio.public_address);
   command->add_flag("--no-open", options->stays_closed, "Only print the page's address");
   command->add_flag("--read-only", options->studio.is_read_only, "Write no file, and no draft");
   command

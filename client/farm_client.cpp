@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -17,6 +19,8 @@ namespace {
 
 constexpr Time kAskAgain = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kLongestWait{50};
+/// How long an interrupted submission waits to hear that it is cancelled.
+constexpr Time kWithdrawing = std::chrono::seconds(2);
 
 /// Questions asked by any client: the answer to one of a client that is gone may still come over
 /// the connection that the next one uses.
@@ -52,7 +56,8 @@ void FarmClient::receive(const Handler& handle, bool& done) {
   }
 }
 
-void FarmClient::converse(Channel channel, const v1::Envelope& question, const Handler& done) {
+void FarmClient::converse(Channel channel, const v1::Envelope& question, const Handler& done,
+                          const std::string& interrupted) {
   Time ask = monotonic_now();
   last_heard_ = ask;
   for (bool finished = false; !finished;) {
@@ -65,7 +70,7 @@ void FarmClient::converse(Channel channel, const v1::Envelope& question, const H
     receive(done, finished);
     check_let_in(transport_, endpoint_);
     first_word_.check(transport_, endpoint_, now);
-    if (stop_) throw Error(ExitCode::interrupted, "interrupted");
+    if (stop_) throw Error(ExitCode::interrupted, interrupted);
     if (now - last_heard_ > patience_) {
       throw UnreachableError(
           endpoint_,
@@ -80,7 +85,7 @@ v1::JobStatus FarmClient::submit(const SubmittedJob& job) {
   *question.mutable_submit_job() = job.request;
   v1::JobStatus result;
   TroublePatience trouble(patience_, monotonic_now());
-  converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
+  const auto hand_over = [&](Channel, const v1::Envelope& message) {
     trouble.check(transport_, endpoint_, true, monotonic_now());
     if (message.has_blob_request()) {
       const auto digest = Digest::parse(message.blob_request().digest());
@@ -97,8 +102,52 @@ v1::JobStatus FarmClient::submit(const SubmittedJob& job) {
     result = message.job_status();
     transport_.connect_bulk(result.bulk_endpoint());
     return result.state() != v1::JobStatus::UNKNOWN && result.state() != v1::JobStatus::FETCHING;
-  });
+  };
+  try {
+    converse(Channel::control, question, hand_over);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::interrupted) throw;
+    throw Error(ExitCode::interrupted, withdraw(job.request.submission()));
+  }
   return result;
+}
+
+std::string FarmClient::withdraw(uint64_t submission) {
+  const uint64_t number = ++questions_asked;
+  v1::Envelope order;
+  order.mutable_job_query()->set_submission(submission);
+  order.mutable_job_query()->set_action(v1::JobQuery::CANCEL);
+  order.mutable_job_query()->set_question(number);
+  std::optional<v1::JobStatus> status;
+  const Time end = monotonic_now() + std::min(kWithdrawing, patience_);
+  for (Time now = monotonic_now(), ask = now; !status && now < end; now = monotonic_now()) {
+    if (now >= ask) {
+      transport_.send(Channel::control, encode(order));
+      ask = now + kAskAgain;
+    }
+    transport_.wait(kLongestWait);
+    bool ignored = false;
+    receive(
+        [&](Channel, const v1::Envelope& message) {
+          if (message.has_job_status() && message.job_status().question() == number)
+            status = message.job_status();
+          return false;
+        },
+        ignored);
+  }
+  if (!status) {
+    return fmt::format(
+        "interrupted, but the coordinator at {} has not confirmed within {} s that the job is "
+        "cancelled: it may come; 'tessera status' lists it then",
+        endpoint_, to_seconds(std::min(kWithdrawing, patience_)));
+  }
+  v1::Envelope release;
+  release.mutable_job_release()->set_submission(submission);
+  transport_.send(Channel::control, encode(release));
+  const bool is_there =
+      status->state() != v1::JobStatus::UNKNOWN && status->how() != v1::JobEnd::INTERRUPTED;
+  return is_there ? fmt::format("interrupted; job {} has come and was not cancelled", status->job())
+                  : "interrupted; the job is cancelled";
 }
 
 v1::JobStatus FarmClient::ask(const v1::JobQuery& query) {
@@ -109,13 +158,16 @@ v1::JobStatus FarmClient::ask(const v1::JobQuery& query) {
   const uint64_t number = ++questions_asked;
   question.mutable_job_query()->set_question(number);
   v1::JobStatus result;
-  converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
+  const auto on_status = [&](Channel, const v1::Envelope& message) {
     if (!message.has_job_status()) return false;
     const v1::JobStatus& status = message.job_status();
     const bool same = status.question() == number;
     if (same) result = status;
     return same;
-  });
+  };
+  const bool orders = query.action() != v1::JobQuery::ASK || query.has_priority();
+  converse(Channel::control, question, on_status,
+           orders ? "interrupted; the order may be followed all the same" : "interrupted");
   return result;
 }
 
@@ -147,10 +199,12 @@ v1::EnrolAnswer FarmClient::enrol(const v1::Enrol& request) {
   v1::Envelope question;
   *question.mutable_enrol() = request;
   v1::EnrolAnswer result;
-  converse(Channel::control, question, [&](Channel, const v1::Envelope& message) {
+  const auto on_answer = [&](Channel, const v1::Envelope& message) {
     if (message.has_enrol_answer()) result = message.enrol_answer();
     return message.has_enrol_answer();
-  });
+  };
+  converse(Channel::control, question, on_answer,
+           "interrupted; the key may be enrolled all the same: the same command asks again");
   return result;
 }
 

@@ -26,6 +26,8 @@ class FarmClient {
              Time patience = std::chrono::seconds(15));
 
   /// Hands the job over: returns once the coordinator has all of it, or has refused it.
+  /// Interrupted, it has the job cancelled; the error says whether the coordinator has confirmed
+  /// that.
   v1::JobStatus submit(const SubmittedJob& job);
   /// Of blobs, by submit().
   uint64_t bytes_sent() const { return bytes_sent_; }
@@ -50,8 +52,12 @@ class FarmClient {
 
  private:
   using Handler = std::function<bool(Channel, const v1::Envelope&)>;
-  /// Sends `question`, again each second until `done` is true of what came.
-  void converse(Channel channel, const v1::Envelope& question, const Handler& done);
+  /// Sends `question`, again each second until `done` is true of what came. `interrupted`: what the
+  /// error says once `stop` is set.
+  void converse(Channel channel, const v1::Envelope& question, const Handler& done,
+                const std::string& interrupted = "interrupted");
+  /// Has the coordinator cancel what was submitted. Returns what became of it.
+  std::string withdraw(uint64_t submission);
   void receive(const Handler& handle, bool& done);
 
   ClientTransport& transport_;

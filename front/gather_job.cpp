@@ -16,9 +16,22 @@ namespace tessera {
 namespace {
 
 constexpr size_t kMostNameTyped = 200;
+/// It is one message; what is left of that is for the rest of the request.
+constexpr size_t kMostFrameBytes = max_message_bytes(Channel::control) - (size_t{64} << 10);
+constexpr size_t kFramingBytes = 16;  ///< of a frame in the request, and by which others may differ
+
+/// Tells how to make several jobs of what is too much for one.
+void check_count(const FrameNumbers& frames, size_t most) {
+  if (frames.size() <= most) return;
+  throw usage_error(
+      fmt::format("--frames: {} frames; expected at most {} in one job: submit those before {} as "
+                  "one, and those from there on as others",
+                  frames.size(), most, frames[most]));
+}
 
 void check(const RenderOptions& options, const JobOrder& order) {
   check_instant(options, options.frames.has_value());
+  if (options.frames) check_count(*options.frames, kMostJobFrames);
   if (order.name.size() > kMostNameTyped) {
     throw usage_error(fmt::format("--name: a name of {} bytes; expected at most {}",
                                   order.name.size(), kMostNameTyped));
@@ -50,11 +63,11 @@ SubmittedJob gather_job(const RenderOptions& options, const JobOrder& order,
   job.request.set_animation(options.frames.has_value());
   job.request.set_name(to_utf8(
       order.name.empty() ? std::filesystem::path(options.scene).stem().string() : order.name));
-  const FrameRange range = options.frames.value_or(FrameRange{0, 0});
+  const FrameNumbers numbers = options.frames.value_or(FrameNumbers{0});
   LoadedScene loaded;
   std::set<std::string> warned;
-  for (int frame = range.first; frame <= range.last; ++frame) {
-    if (frame == range.first || loaded.depends_on_frame) loaded = load(frame);
+  for (const int frame : numbers) {
+    if (frame == numbers.front() || loaded.depends_on_frame) loaded = load(frame);
     for (const std::string& warning : scene_warnings(options, loaded)) {
       if (warned.insert(warning).second) warn(warning);
     }
@@ -65,10 +78,9 @@ SubmittedJob gather_job(const RenderOptions& options, const JobOrder& order,
       throw usage_error("--ocio-...: no job keeps these; expected them at 'tessera fetch'");
     }
     add_frame(job, spec, frame, output);
-  }
-  if (job.request.ByteSizeLong() > max_message_bytes(Channel::control) / 2) {
-    throw usage_error(
-        fmt::format("--frames: {} frames; expected fewer in one job", job.request.frames_size()));
+    // All are about as long as this one.
+    const size_t bytes = job.request.frames().rbegin()->ByteSizeLong() + kFramingBytes;
+    check_count(numbers, kMostFrameBytes / bytes);
   }
   return job;
 }

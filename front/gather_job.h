@@ -9,6 +9,9 @@
 
 namespace tessera {
 
+/// How many frames one job may have.
+inline constexpr size_t kMostJobFrames = 10'000;
+
 /// What a job is called and how it stands among others.
 struct JobOrder {
   std::string name{};  ///< empty: the scene's
@@ -18,7 +21,8 @@ struct JobOrder {
 
 /// All frames that the options ask for as one job of a farm. `load` gives the scene of a frame, and
 /// is called again where that depends on the frame; `warn` is told each warning once. Throws
-/// usage_error and scene_error for what a render would throw them for.
+/// usage_error and scene_error for what a render would throw them for, and at once for more than
+/// kMostJobFrames frames.
 SubmittedJob gather_job(const RenderOptions& options, const JobOrder& order,
                         const std::function<LoadedScene(int frame)>& load,
                         const std::function<void(const std::string&)>& warn);

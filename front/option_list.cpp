@@ -14,6 +14,10 @@ std::vector<std::string> long_names(const OptionList& options) {
   return names;
 }
 
+std::string wrong_text(std::string_view text, std::string_view type) {
+  return text.empty() ? fmt::format("''; expected {}", type) : std::string();
+}
+
 void assign_option(const OptionList& options, const std::string& long_name,
                    const OptionValue& value) {
   const auto found = std::ranges::find(options, long_name, &Option::long_name);
@@ -32,11 +36,15 @@ void assign_option(const OptionList& options, const std::string& long_name,
     throw usage_error(
         fmt::format("--{}: '{}'; expected true or false", long_name, std::get<std::string>(value)));
   }
-  if (!is_set) {
-    found->assign(std::get<std::string>(value));
-  } else if (*is_set) {
-    found->assign("");
+  if (is_set) {
+    if (*is_set) found->assign("");
+    return;
   }
+  const std::string& text = std::get<std::string>(value);
+  if (const std::string wrong = wrong_text(text, found->type); !wrong.empty()) {
+    throw usage_error(fmt::format("--{}: {}", long_name, wrong));
+  }
+  found->assign(text);
 }
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -33,6 +34,10 @@ using OptionList = std::vector<Option>;
 using OptionValue = std::variant<bool, std::string>;
 
 std::vector<std::string> long_names(const OptionList& options);
+/// What is wrong with a value as text, whatever its option: "''; expected FILE" for the empty one,
+/// which is what a script's unset variable leaves. An option that is not given is left out.
+/// Returns the empty text where nothing is wrong. `type`: as Option::type, not empty.
+std::string wrong_text(std::string_view text, std::string_view type);
 /// Assigns the option of that long name. Throws usage_error, with the nearest name, where there is
 /// none, and for a value that is wrong or of the other kind.
 void assign_option(const OptionList& options, const std::string& long_name,

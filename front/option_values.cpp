@@ -42,6 +42,33 @@ std::optional<std::vector<int>> split_numbers(std::string_view text, char separa
   }
 }
 
+/// Every `step`-th of the frames from `first` to `last`.
+struct SteppedRange {
+  int64_t first = 0, last = 0, step = 1;
+
+  int64_t count() const { return (last - first) / step + 1; }
+};
+
+/// "FIRST", "FIRST-LAST" or "FIRST-LASTxSTEP", ".." being another "-"; nothing where it is neither.
+std::optional<SteppedRange> stepped_range(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  constexpr std::string_view kDigits = "0123456789";
+  const std::string_view first = text.substr(0, text.find_first_not_of(kDigits));
+  std::string_view rest = text.substr(first.size()), last = first, step = "1";
+  if (!rest.empty()) {
+    if (!rest.starts_with("-") && !rest.starts_with("..")) return std::nullopt;
+    rest.remove_prefix(rest.front() == '-' ? 1 : 2);
+    last = rest.substr(0, rest.find('x'));
+    if (last.starts_with('-')) return std::nullopt;
+    if (last.size() < rest.size()) step = rest.substr(last.size() + 1);
+  }
+  const auto from = whole_text_as<int>(first), to = whole_text_as<int>(last);
+  const auto by = whole_text_as<int>(step);
+  if (!from || !to || !by || *from > *to || *to > kMaxFrameNumber || *by < 1) return std::nullopt;
+  return SteppedRange{*from, *to, *by};
+}
+
 void check_frame_size(std::string_view what, int64_t width, int64_t height) {
   const bool sides_fit =
       width >= 1 && height >= 1 && width <= kMaxFrameSide && height <= kMaxFrameSide;
@@ -120,13 +147,35 @@ PixelRect parse_crop(std::string_view option, std::string_view text) {
                   "X0,Y0,X1,Y1 with 0 <= X0 < X1 and 0 <= Y0 < Y1, such as 0,0,64,64");
 }
 
-FrameRange parse_frames(std::string_view option, std::string_view text) {
-  const auto ends = split_numbers(text, '-');
-  if (ends && (ends->size() == 1 || ends->size() == 2) && ends->front() >= 0 &&
-      ends->front() <= ends->back() && ends->back() <= kMaxFrameNumber) {
-    return {ends->front(), ends->back()};
+FrameNumbers parse_frames(std::string_view option, std::string_view text) {
+  std::vector<SteppedRange> ranges;
+  int64_t count = 0;
+  for (std::string_view rest = text;;) {
+    const size_t end = rest.find(',');
+    const auto range = stepped_range(rest.substr(0, end));
+    if (!range) {
+      throw bad_value(option, text,
+                      "FIRST-LAST with 0 <= FIRST <= LAST <= 999999999, such as 0-23, or several "
+                      "such as 1,5,10-20 or 1-100x5");
+    }
+    ranges.push_back(*range);
+    count += range->count();
+    if (end == std::string_view::npos) break;
+    rest.remove_prefix(end + 1);
   }
-  throw bad_value(option, text, "FIRST-LAST with 0 <= FIRST <= LAST <= 999999999, such as 0-23");
+  if (count > kMostFrames) {
+    throw usage_error(fmt::format("{}: '{}' asks for {} frames; expected at most {}", option, text,
+                                  count, kMostFrames));
+  }
+  FrameNumbers frames;
+  for (const SteppedRange& range : ranges) {
+    for (int64_t i = 0; i < range.count(); ++i) {
+      frames.push_back(static_cast<int>(range.first + i * range.step));
+    }
+  }
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
 }
 
 std::string parse_choice(std::string_view option, const std::string& text,

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "renderer/film/aov.h"
 #include "renderer/film/tile.h"
@@ -23,6 +24,11 @@ struct FrameRange {
   int first = 0, last = 0;
 };
 
+/// Frames of an animation: at least one number, ascending, each once.
+using FrameNumbers = std::vector<int>;
+/// Of one command. They are rendered one after the other, so more of them are for several commands.
+inline constexpr int64_t kMostFrames = 1'000'000;
+
 /// A whole number in [least, most], in decimal digits and nothing else.
 int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most);
 /// A whole number above 0, K, M, G or T behind it being powers of 1024.
@@ -37,8 +43,9 @@ double parse_number(std::string_view option, std::string_view text);
 FrameSize parse_size(std::string_view option, std::string_view text);
 /// "X0,Y0,X1,Y1": pixels X0 <= x < X1, Y0 <= y < Y1.
 PixelRect parse_crop(std::string_view option, std::string_view text);
-/// "A-B" or "A", with 0 <= A <= B.
-FrameRange parse_frames(std::string_view option, std::string_view text);
+/// One frame, a range or a range with a step, or several of them with commas between, as renderers
+/// and render managers write them: "5", "0-23", "0..23", "1-100x5", "1,5,10-20".
+FrameNumbers parse_frames(std::string_view option, std::string_view text);
 /// `text`, if it is one of `names`.
 std::string parse_choice(std::string_view option, const std::string& text,
                          std::span<const std::string> names);

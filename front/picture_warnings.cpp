@@ -152,7 +152,7 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
     warnings.push_back("the scene has no light, emission or background: the picture will be black");
   }
   if (shows_light(kind_of(options, loaded.scene))) add_odd_numbers(loaded.scene, warnings);
-  const bool several = options.frames && options.frames->first < options.frames->last;
+  const bool several = options.frames && options.frames->size() > 1;
   if (several && !loaded.depends_on_frame && !moves(loaded.scene)) {
     warnings.push_back("nothing in the scene depends on the frame: all pictures will be the same");
   }

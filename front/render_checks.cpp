@@ -74,7 +74,7 @@ void check_outputs(const RenderOptions& options) {
         paths.front().string(), paths.front().stem().concat(".exr").string()));
   }
   const auto first = [&options](const std::filesystem::path& path) {
-    return frame_path(path, options.frames ? std::optional(options.frames->first) : std::nullopt);
+    return frame_path(path, options.frames ? std::optional(options.frames->front()) : std::nullopt);
   };
   AllFailures failures;
   for (const auto& path : paths) {

@@ -128,9 +128,9 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
   group.add("--time", "T", "The instant to render, in seconds [the scene's]",
             [&options](const std::string& text) { options.time = parse_number("--time", text); });
   group.add(
-      "--frames", "A-B",
-      "Frames A to B of the animation, each to NAME.NNNN.png, or all to one .gif or .apng, at the "
-      "instants that its frame rate gives: not with --time",
+      "--frames", "FRAMES",
+      "Frames of the animation, such as 0-23, 1-100x5 or 1,5,10-20, each to NAME.NNNN.png, or all "
+      "to one .gif or .apng, at the instants that its frame rate gives: not with --time",
       [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
 }
 

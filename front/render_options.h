@@ -40,7 +40,7 @@ struct RenderOptions {
   bool denoise = false;
   bool progressive = false;
   std::optional<PixelRect> crop;
-  std::optional<FrameRange> frames;
+  std::optional<FrameNumbers> frames;
   std::optional<double> frames_per_second;  ///< of files that hold all frames; > 0
   std::optional<double> time;
   std::optional<std::string> camera;

@@ -36,7 +36,8 @@ HttpResponse page_file(const HttpRequest& request) {
 
 class PageServer::Impl : public std::enable_shared_from_this<PageServer::Impl> {
  public:
-  Impl(const Options& options, std::function<void(PageEvent)> take) : take_(std::move(take)) {
+  Impl(const Options& options, std::function<void(PageEvent)> take)
+      : take_(std::move(take)), public_address_(options.public_address) {
     if (!options.token_file.empty()) {
       access_ = WebAccess::read(options.token_file);
     } else {
@@ -49,6 +50,7 @@ class PageServer::Impl : public std::enable_shared_from_this<PageServer::Impl> {
       token_ = random_hex();
       access_ = WebAccess::of_token(token_, WebAccess::Role::submitter);
     }
+    access_.set_public_address(public_address_);
   }
   void start(const std::string& address) {
     if (!address.empty()) {
@@ -65,6 +67,14 @@ class PageServer::Impl : public std::enable_shared_from_this<PageServer::Impl> {
     }
   }
 
+  /// Whether pages come from this machine alone.
+  bool is_local() const {
+    return WebServer::is_loopback(server_->address()) &&
+           (!public_address_ || names_this_machine(public_address_->host));
+  }
+  std::string url() const {
+    return public_address_ ? public_address_->url : fmt::format("http://{}/", server_->address());
+  }
   const WebAccess& access() const { return access_; }
   const WebServer& server() const { return *server_; }
   const std::string& token() const { return token_; }
@@ -151,6 +161,7 @@ class PageServer::Impl : public std::enable_shared_from_this<PageServer::Impl> {
   }
 
   std::function<void(PageEvent)> take_;
+  std::optional<PublicAddress> public_address_;
   WebAccess access_;
   std::string token_;
   std::atomic<bool> stopping_{false};
@@ -203,7 +214,9 @@ PageServer::~PageServer() { impl_->stop(); }
 
 std::string PageServer::address() const { return impl_->server().address(); }
 
-bool PageServer::is_loopback() const { return WebServer::is_loopback(address()); }
+std::string PageServer::url() const { return impl_->url(); }
+
+bool PageServer::is_local() const { return impl_->is_local(); }
 
 const std::string& PageServer::token() const { return impl_->token(); }
 

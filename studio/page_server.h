@@ -3,11 +3,13 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "studio/file_tasks.h"
 #include "studio/picture_stream.h"
 #include "studio/studio_session.h"
+#include "web/public_address.h"
 
 namespace tessera {
 
@@ -23,8 +25,9 @@ struct PageEvent {
 class PageServer {
  public:
   struct Options {
-    std::string address;               ///< empty: 127.0.0.1:7190 or the next free port
-    std::filesystem::path token_file;  ///< empty: a new token is made
+    std::string address;                            ///< empty: 127.0.0.1:7190 or the next free port
+    std::filesystem::path token_file;               ///< empty: a new token is made
+    std::optional<PublicAddress> public_address{};  ///< of a proxy before the page
   };
   /// Throws usage_error, also for an address that other machines reach without a token file.
   /// `take` is called on the server's thread, and must be quick.
@@ -34,7 +37,10 @@ class PageServer {
   PageServer& operator=(const PageServer&) = delete;
 
   std::string address() const;
-  bool is_loopback() const;
+  /// Where browsers find it: "http://127.0.0.1:7190/", or the public address.
+  std::string url() const;
+  /// Whether pages come from this machine alone.
+  bool is_local() const;
   const std::string& token() const;
   StudioRole role_of(const std::string& token) const;
 

@@ -76,8 +76,9 @@ class Studio::Impl {
                   }),
         exports_(folder_, sinks(), [this](SendText told) { post(Answer{std::move(told)}); }),
         comparer_(sinks(), sender()) {
-    server_ = std::make_unique<PageServer>(PageServer::Options{options.address, options.token_file},
-                                           [this](PageEvent event) { post(std::move(event)); });
+    server_ = std::make_unique<PageServer>(
+        PageServer::Options{options.address, options.token_file, options.public_address},
+        [this](PageEvent event) { post(std::move(event)); });
     session_ = std::make_unique<StudioSession>(
         StudioFacts{.folder = folder_.path().string(),
                     .assets = options.assets.empty() ? "" : whole_path(options.assets).string(),
@@ -92,7 +93,7 @@ class Studio::Impl {
                     .is_read_only = options.is_read_only,
                     .workers = options.workers,
                     .worker_command = options.worker_command,
-                    .deflate = !server_->is_loopback()},
+                    .deflate = !server_->is_local()},
         [this](const std::string& token) { return server_->role_of(token); });
     if (!options.farm.endpoint.empty()) connect_to(options.farm);
   }
@@ -484,7 +485,7 @@ Studio::Studio(const StudioOptions& options, std::function<void()> wake)
 
 Studio::~Studio() = default;
 
-std::string Studio::address() const { return impl_->server().address(); }
+std::string Studio::url() const { return impl_->server().url(); }
 
 const std::string& Studio::token() const { return impl_->server().token(); }
 

@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/monotonic.h"
 #include "front/farm_connection.h"
+#include "web/public_address.h"
 
 namespace tessera {
 
@@ -18,7 +20,8 @@ struct StudioOptions {
   std::string file;              ///< in it, to open first; empty: none
   std::string assets;            ///< as of ReadOptions; empty: the folder
   std::string address;           ///< "ADDRESS:PORT"; empty: 127.0.0.1:7190 or the next free port
-  std::filesystem::path token_file;  ///< as for WebAccess; empty: a new token is made
+  std::filesystem::path token_file;               ///< as for WebAccess; empty: a new token is made
+  std::optional<PublicAddress> public_address{};  ///< of a proxy before the page
   bool is_read_only = false;
   int workers = 0;                       ///< threads that trace, for the page to tell
   std::string worker_command{};          ///< that has another process trace for this studio
@@ -39,8 +42,8 @@ class Studio {
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
 
-  /// "127.0.0.1:7190"
-  std::string address() const;
+  /// Where browsers find the page: "http://127.0.0.1:7190/", or the public address.
+  std::string url() const;
   /// The one that was made; empty where they were read from a file.
   const std::string& token() const;
 

@@ -18,28 +18,12 @@ namespace {
 constexpr size_t kShortestToken = 16;
 constexpr std::string_view kBearer = "bearer ";
 
-/// The host of "name" or "name:port", the name perhaps an address in brackets; empty where it is
-/// neither.
-std::string host_of(const std::string& header) {
-  const size_t end = header.starts_with('[') ? header.find(']') + 1 : header.find(':');
-  const std::string host = header.substr(0, end), port = header.substr(host.size());
-  const bool has_digits =
-      port.size() > 1 && port.find_first_not_of("0123456789", 1) == std::string::npos;
-  return port.empty() || (port.front() == ':' && has_digits) ? host : std::string();
-}
-
 /// The type of "type/subtype; parameters" in lower case, without spaces around it.
 std::string media_type(const std::string& header) {
   const std::string type = lower_case(header.substr(0, header.find(';')));
   const size_t begin = type.find_first_not_of(" \t");
   if (begin == std::string::npos) return {};
   return type.substr(begin, type.find_last_not_of(" \t") + 1 - begin);
-}
-
-bool names_this_machine(const std::string& host) {
-  const bool digits =
-      host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
-  return digits || host == "localhost" || host == "[::1]";
 }
 
 }  // namespace
@@ -115,14 +99,18 @@ std::optional<WebAccess::Role> WebAccess::role_of(std::string_view token) const 
 
 std::optional<HttpResponse> WebAccess::refuse_host(const HttpRequest& request) const {
   if (is_reached_by_any_name_) return std::nullopt;
-  if (names_this_machine(host_of(lower_case(request.header("host"))))) return std::nullopt;
-  return http_error(421, "this page answers to 127.0.0.1, [::1] and localhost alone");
+  const std::string host = host_of(lower_case(request.header("host")));
+  if (names_this_machine(host) || (public_ && host == public_->host)) return std::nullopt;
+  return http_error(421, fmt::format("this page answers to 127.0.0.1, [::1]{} and localhost alone",
+                                     public_ ? ", " + public_->host : ""));
 }
 
 bool WebAccess::is_of_own_page(const HttpRequest& request) const {
   const std::string origin = lower_case(request.header("origin"));
   const std::string host = lower_case(request.header("host"));
   if (host.empty()) return false;
+  if (public_ && origin == public_->origin) return true;
+  if (public_ && host_of(host) == public_->host) return false;  // by another scheme or port
   return origin == "http://" + host || (is_reached_by_any_name_ && origin == "https://" + host);
 }
 

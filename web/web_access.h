@@ -4,10 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/digest.h"
 #include "web/http_message.h"
+#include "web/public_address.h"
 
 namespace tessera {
 
@@ -26,10 +28,13 @@ class WebAccess {
   /// One token, beside which the name of this machine is needed as without tokens.
   static WebAccess of_token(std::string_view token, Role role);
 
+  /// Takes pages of that address, which a proxy serves, for our own.
+  void set_public_address(std::optional<PublicAddress> address) { public_ = std::move(address); }
+
   /// Why the request is refused, or nothing. Orders come from our own page, or from no page.
   std::optional<HttpResponse> refuse(const HttpRequest& request, Role needed) const;
-  /// Refuses a request that calls this machine by another name, unless tokens were read from a
-  /// file.
+  /// Refuses a request that calls this machine by another name than its own or that of the public
+  /// address, unless tokens were read from a file.
   std::optional<HttpResponse> refuse_host(const HttpRequest& request) const;
   /// Refuses a WebSocket by its host, and where it does not come from our own page. Its token comes
   /// in a message.
@@ -49,6 +54,7 @@ class WebAccess {
 
   std::vector<Token> tokens_;
   bool is_reached_by_any_name_ = false;
+  std::optional<PublicAddress> public_;
 };
 
 /// {"error": ...}

@@ -27,6 +27,7 @@ bool SocketAddress::is_loopback() const {
 }
 
 std::optional<SocketAddress> socket_address(const std::string& host, int port) {
+  if (host == "*") return std::nullopt;  // for which glibc has this machine's own address
   const bool ipv6 = host.size() > 2 && host.starts_with("[") && host.ends_with("]");
   const std::string digits = ipv6 ? host.substr(1, host.size() - 2) : host;
   addrinfo hints{};

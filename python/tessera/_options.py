@@ -13,7 +13,6 @@ from .errors import UsageError
 
 Texts = List[Tuple[str, Union[bool, str]]]
 _LISTS = ("size", "crop", "aovs", "frames")  # keywords that take several numbers or words
-_NAMES = ("camera", "assets")  # keywords of a name or a folder
 _TEXTS = {"assets": "the path of a folder", "place": "text or several of them"}  # keywords of text alone
 _SEPARATORS = {"size": "x", "frames": "-"}
 
@@ -36,7 +35,7 @@ def _is_empty(value: Any) -> bool:
 
 def _text(name: str, value: Any) -> Union[bool, str]:
     if isinstance(value, (str, os.PathLike)):
-        return named_text(name, value) if name in _NAMES else plain_text(name, value)
+        return plain_text(name, value)  # the list of options refuses the empty one
     if name in _TEXTS:
         raise TypeError(f"{name}: {value!r:.100}; expected {_TEXTS[name]}")
     if isinstance(value, bool):
@@ -45,8 +44,8 @@ def _text(name: str, value: Any) -> Union[bool, str]:
         return _text(name, value.item())
     if isinstance(value, (int, float)):
         return repr(value if isinstance(value, float) else _of_few_digits(name, value))
-    if name == "frames" and isinstance(value, range) and value.step == 1 and value:
-        return f"{value[0]}-{value[-1]}"
+    if name == "frames" and isinstance(value, range) and value.step > 0 and value:
+        return f"{value[0]}-{value[-1]}x{value.step}"
     if name in _LISTS and hasattr(value, "__iter__") and not isinstance(value, (bytes, Mapping)) and (
             name == "aovs" or not isinstance(value, Set)):  # which has no order
         return _SEPARATORS.get(name, ",").join(_part(name, part) for part in several(value, name))
@@ -78,7 +77,7 @@ def plain_text(name: str, given: Union[str, os.PathLike[str]]) -> str:
 
 
 def named_text(name: str, given: Union[str, os.PathLike[str]]) -> str:
-    """`plain_text` that is not empty, as names and paths are."""
+    """`plain_text` that is not empty: None, not an empty text, is what is not given."""
     text = plain_text(name, given)
     if not text:
         raise UsageError(f"{name}: ''; expected text that is not empty")
@@ -87,7 +86,7 @@ def named_text(name: str, given: Union[str, os.PathLike[str]]) -> str:
 
 def fraction_text(name: str, given: Union[float, str]) -> str:
     """A share, such as .01 or "1%", as the command line takes it."""
-    return plain_text(name, given) if isinstance(given, str) else repr(number(name, given))
+    return named_text(name, given) if isinstance(given, str) else repr(number(name, given))
 
 
 def folder_text(assets: Optional[Path]) -> str:

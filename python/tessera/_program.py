@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+from typing import Optional
 
 from . import _core
 
@@ -10,12 +11,14 @@ _PATIENCE = 5  # seconds for an answer that takes some milliseconds
 _is_checked = False
 
 
-def find(chosen: str, beside: str, installed: str, search_path: str) -> str:
+def find(chosen: Optional[str], beside: str, installed: str, search_path: str) -> str:
     """The program that is used: `chosen`, a program or its folder, or else the first one there is.
 
     The other folders are looked at in this order; those of `search_path` stand between colons. Where
     there is none, it is the path of what should be installed.
     """
+    if chosen == "":  # as a script's unset variable leaves it; another program may not be meant
+        raise ImportError(f"TESSERA_PROGRAM: ''; expected the program {_NAME}, or its folder")
     if chosen:
         return os.path.join(chosen, _NAME) if os.path.isdir(chosen) else chosen
     for folder in (beside, installed, *search_path.split(os.pathsep)):
@@ -67,6 +70,6 @@ _package = os.path.dirname(_core.__file__)
 _installed = _installed_folder(_package)
 _WHERE = ("It is looked for as TESSERA_PROGRAM, in the package's folder _bin, in "
           f"{_installed} and on PATH.")
-_program = os.path.realpath(find(os.environ.get("TESSERA_PROGRAM", ""), os.path.join(_package, "_bin"),
+_program = os.path.realpath(find(os.environ.get("TESSERA_PROGRAM"), os.path.join(_package, "_bin"),
                                  _installed, os.environ.get("PATH", "")))
 _core.set_program(os.fsencode(_program))

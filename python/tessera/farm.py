@@ -11,7 +11,7 @@ from ._html import table
 from .errors import Error, SceneWarning, UsageError
 from .picture import Image
 from ._local_farms import BaseFarm
-from ._options import boolean, number, plain_text, seconds, whole
+from ._options import boolean, number, named_text, seconds, whole
 from ._places import located_errors
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap, Transfer,
                      X3dColor, X3dShadows, X3dTexture)
@@ -46,9 +46,9 @@ class Farm(BaseFarm):
         self._thread = None
         if not 0 < number("timeout", timeout) <= _LONGEST_TIMEOUT:
             raise UsageError(f"timeout: {timeout}; expected seconds above 0, at most {_LONGEST_TIMEOUT}")
-        self.endpoint = plain_text("endpoint", endpoint)
-        self.key = "" if key is None else plain_text("key", key)
-        self.server_key = "" if server_key is None else plain_text("server_key", server_key)
+        self.endpoint = named_text("endpoint", endpoint)
+        self.key = "" if key is None else named_text("key", key)
+        self.server_key = "" if server_key is None else named_text("server_key", server_key)
         self.timeout = float(timeout)
         self._access: Optional[_core.FarmAccess] = _core.FarmAccess(*self._arguments())
         super().__init__(_core.remote_farm(*self._arguments()))
@@ -85,8 +85,9 @@ class Farm(BaseFarm):
                exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
                **unknown: NoReturn) -> Job:
-        """Leaves a scene, or the frames of its animation that `frames` tells, as (first, last) or a
-        range, to the farm: returns once it has all of it. The options are those of `tessera submit`."""
+        """Leaves a scene, or the frames of its animation that `frames` tells, as (first, last), a
+        range or text such as "1,5,10-20" or "1-100x5", to the farm: returns once it has all of it, a
+        job of at most 10,000 frames. The options are those of `tessera submit`."""
         options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
         if unknown:
             refuse_unknown("submit", unknown, [*options, *sorted(_OF_JOBS - {"self", "unknown"})])
@@ -98,7 +99,7 @@ class Farm(BaseFarm):
         with located_errors(scene):
             number, told = access.submit(
                 core_options(options, of_jobs=True), scene,
-                "" if name is None else plain_text("name", name), priority, weight)
+                "" if name is None else named_text("name", name), priority, weight)
         for warning in told:
             warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
         return Job(self, number)
@@ -108,10 +109,10 @@ class Farm(BaseFarm):
         return [Job(self, job["job"]) for job in json.loads(self._ask().list())["jobs"]]
 
     def job(self, job: Union[int, str]) -> "Job":
-        """The job of that number, or the latest of that name."""
+        """The job of that number, or the latest of that name; "name:7" is a name, "7" a number."""
         if isinstance(job, bool) or not isinstance(job, (int, str)):
             raise TypeError(f"job: {job!r:.100}; expected the number or the name of a job")
-        number, told = self._ask().find(plain_text("job", str(job)))
+        number, told = self._ask().find(named_text("job", str(job)))
         for warning in told:
             warnings.warn(warning, stacklevel=level_of_caller())
         return Job(self, number)
@@ -221,7 +222,7 @@ class Job:
             return 0
         numbers = list(self.frames())
         if whole("frame", frame) not in numbers:
-            raise UsageError(f"frame: {frame}; expected one from {numbers[0]} to {numbers[-1]}")
+            raise UsageError(f"frame: {frame}; expected one of the job, from {numbers[0]} to {numbers[-1]}")
         return numbers.index(frame)
 
     def _order(self, order: _core.Order, priority: Optional[int] = None) -> None:

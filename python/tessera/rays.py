@@ -12,7 +12,7 @@ from ._hits import AllHits, Hits, Located, frozen
 from ._local_farms import whole_count
 from ._log import logged_at_end
 from ._mesh import Mesh
-from ._options import boolean, folder_text, named_text, number, plain_text, whole
+from ._options import boolean, folder_text, named_text, number, whole
 from ._types import Accelerator, ArrayLike, Cull, HitField, Path, VectorLike
 from ._value import level_of_caller, nearest, several, tells_unknown
 from .errors import SceneWarning, UsageError
@@ -357,7 +357,7 @@ def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] 
         raise UsageError("geometry_only: False; expected True, as tracers know no light")
     when = None if time is None else number("time", time)
     core_options({"time": when, "accel": accel})  # which refuses what render does
-    name: Any = plain_text("accel", accel)
+    name: Any = named_text("accel", accel)
     return Tracer._of(scene, (when, _camera_name(camera), name, threads), folder_text(assets))
 
 

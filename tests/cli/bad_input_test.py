@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
+import re
 import resource
 import shutil
 import socket
@@ -57,6 +58,29 @@ class BadCommandLine(TesseraTest):
         self.refused("render", self.scene, "-o", says=["--output: needs a value FILE"])
         self.refused("render", self.scene, "-o", "x", says=["'x' has no ending", ".png, .apng"])
         self.refused("render", self.scene, "--filter", "gaussian:abc", says=["NAME:RADIUS", "'abc'"])
+
+    def options_of(self, *command):
+        """The options of a command, and of those below it, that take a value: (command, option, what it takes)."""
+        text = self.run_program("help", *command).out
+        for option, type in re.findall(r"^  (?:-\w,)?(--[a-z0-9-]+) (\S+)", text, re.M):
+            yield command, option, type
+        below = text.partition("Subcommands:\n")[2].split("\n\n")[0]
+        for name in re.findall(r"^  ([a-z][a-z-]*)", below, re.M):
+            yield from self.options_of(*command, name)
+
+    def test_no_option_takes_an_empty_value(self):
+        options = list(self.options_of())
+        self.assertGreater(len(options), 100)
+        self.assertIn((("serve",), "--store", "DIR"), options)
+        for command, option, type in {option: each for each in options for option in each[1:2]}.values():
+            self.assert_error(self.run_program(*command, option + "="), 2, f"{option}: ''; expected ")
+        for option in ("--store", "--key", "--allow", "--http-token"):
+            self.assert_error(self.run_program("serve", option, ""), 2, f"{option}: ''; expected ")
+        for command in (["render"], ["info"], ["status"], ["cancel"], ["fetch"], ["studio"], ["compare", "x.png"],
+                        ["convert", "x.obj"], ["keygen"]):
+            self.refused(*command, "", says=[": ''; expected "])
+        # What follows is not its value.
+        self.refused("serve", "--store=", "--http", "127.0.0.1:0", says=["--store: ''; expected DIR"])
 
     def test_hosts_without_an_address(self):
         endpoint = "tcp://nowhere.invalid:7117"

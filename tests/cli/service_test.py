@@ -155,9 +155,22 @@ class Told(ServiceTest):
         result = self.run_program("status", "scene", "--json", "--connect", self.endpoint)
         self.assertEqual((0, jobs[2]), (result.code, json.loads(result.out)["job"]))
         self.assertIn(f"job {jobs[2]}, the latest, is meant, not {jobs[0]}, {jobs[1]}", result.err)
-        for name in (jobs[0], "scene"):
-            self.ask("cancel", "--forget", name)
+        states = [self.status(job)["state"] for job in jobs]
+        for order in (["pause"], ["resume"], ["retry"], ["cancel"], ["cancel", "--forget"], ["fetch", "--forget"]):
+            self.assert_error(self.run_program(*order, "scene", "--connect", self.endpoint), 2,
+                              f"3 jobs have the name 'scene': {jobs[0]}, {jobs[1]}, {jobs[2]}; expected one of")
+        self.assertEqual(states, [self.status(job)["state"] for job in jobs])
+        for job in jobs[:2]:
+            self.ask("cancel", "--forget", job)
         self.assertEqual("", self.run_program("status", "scene", "--connect", self.endpoint).err)
+        self.stop(service)
+
+    def test_a_job_may_be_named_like_a_number(self):
+        service = self.serve()
+        job = self.submit("--name", "2024")
+        result = self.run_program("cancel", "2024", "--connect", self.endpoint)
+        self.assert_error(result, 2, "'2024' is no job; there is 1 job: 1 2024; did you mean 'name:2024'?")
+        self.assertIn(f"job {job} is cancelled", self.ask("cancel", "name:2024"))
         self.stop(service)
 
     def test_a_job_may_be_named_like_an_option(self):

@@ -151,8 +151,19 @@ def test_an_animation(served):
         job.wait(60)
         assert list(job.frames()) == [3, 4, 5]
         assert job.fetch(4) == ts.render(KNOT, size=(8, 8), frame=4, workers=0)
-        with pytest.raises(ts.UsageError, match="frame: 9; expected one from 3 to 5"):
+        with pytest.raises(ts.UsageError, match="frame: 9; expected one of the job, from 3 to 5"):
             job.fetch(9)
+
+
+@pytest.mark.parametrize("frames, numbers", [("1,5,8-10", [1, 5, 8, 9, 10]), (range(2, 9, 3), [2, 5, 8])])
+def test_frames_that_are_no_plain_range(served, frames, numbers):
+    with served.farm() as farm:
+        assert list(farm.submit(KNOT, size=(8, 8), frames=frames).frames()) == numbers
+
+
+def test_too_many_frames_are_refused_before_the_scene_is_read(served):
+    with served.farm() as farm, pytest.raises(ts.UsageError, match="10001 frames; expected at most 10000 in one job"):
+        farm.submit(KNOT, size=(8, 8), frames=(0, 10000))
 
 
 def test_orders(served):

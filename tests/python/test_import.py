@@ -46,7 +46,7 @@ def places(tmp_path):
     return [script(tmp_path / name / "tessera", "").parent for name in ("chosen", "beside", "installed", "path")]
 
 
-def find(places, chosen=""):
+def find(places, chosen=None):
     return pathlib.Path(_program.find(chosen, str(places[1]), str(places[2]), f"::/none:{places[3]}"))
 
 
@@ -58,6 +58,11 @@ def test_the_variable_names_the_program_or_its_folder(places):
 
 def test_what_the_variable_names_is_not_replaced_by_another(places):
     assert find(places, "/none/tessera") == pathlib.Path("/none/tessera")
+
+
+def test_an_empty_variable_is_not_one_that_is_not_set(places):
+    with pytest.raises(ImportError, match="^TESSERA_PROGRAM: ''; expected"):
+        find(places, "")
 
 
 def test_each_place_is_looked_at_after_the_one_before_it(places):

@@ -40,6 +40,18 @@ def test_keywords_of_another_type_are_refused(wrong):
         ts.Scene(width=2, height=2, spp=1).render(workers=0, **wrong)
 
 
+@pytest.mark.parametrize("call, name", [
+    (lambda: ts.Farm(""), "endpoint"), (lambda: ts.Farm(key=""), "key"),
+    (lambda: ts.Farm(server_key=""), "server_key"), (lambda: ts.Farm().job(""), "job"),
+    (lambda: ts.Farm().submit(ts.Scene(), name=""), "name"),
+    *((lambda name=name: ts.Scene().render(**{name: ""}), name)
+      for name in ("camera", "assets", "place", "aovs", "size", "spp", "time", "pattern")),
+])
+def test_an_empty_text_is_not_what_is_not_given(call, name):
+    with pytest.raises(ts.UsageError, match=f"^{name}: ''; expected"):
+        call()
+
+
 def test_an_empty_share_to_verify_is_refused():
     for workers in (0, 2):
         with pytest.raises(ts.UsageError, match="^verify: ''; expected"):

@@ -1,4 +1,6 @@
-// Requests to /api/v1 of the coordinator that served this page.
+// Requests to api/v1 of the coordinator that served this page, from wherever that is: a proxy may serve
+// all of it below a path.
+export const API = "api/v1/";
 
 let token = sessionStorage.getItem("token") ?? "";
 
@@ -12,7 +14,7 @@ export function signIn(typed) {
 async function request(path, options = {}) {
   const headers = { ...options.headers };
   if (token) headers.Authorization = `Bearer ${token}`;
-  const response = await fetch(`/api/v1/${path}`, {
+  const response = await fetch(API + path, {
     ...options, headers, signal: AbortSignal.timeout(8000),
   });
   if (response.status === 401) throw new Refused("a token is needed");

@@ -13,6 +13,14 @@ export function duration(seconds) {
   return `${Math.floor(minutes / 60)}:${two(minutes % 60)}:${two(whole % 60)}`;
 }
 
+/// Local time to the second, with date and zone, as ISO 8601 has it.
+export function localTime(date) {
+  const zone = -date.getTimezoneOffset(), ahead = Math.abs(zone);
+  const two = (n) => String(n).padStart(2, "0");
+  const local = new Date(date.getTime() + zone * 60000).toISOString().slice(0, 19);
+  return `${local}${zone < 0 ? "-" : "+"}${two(Math.floor(ahead / 60))}:${two(ahead % 60)}`;
+}
+
 export function bytes(count) {
   const units = ["B", "kB", "MB", "GB", "TB"];
   let unit = 0;

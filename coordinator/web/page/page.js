@@ -1,9 +1,9 @@
 // The page of a coordinator: asks how the farm is, again and again, and shows that.
-import { Refused, download, get, getPicture, order, signIn } from "/api.js";
-import { bytes, counted, duration, rate, workerColor } from "/format.js";
-import { difference } from "/difference.js";
-import { drawGraph } from "/graphs.js";
-import { Picture, tilesOfTrace } from "/picture.js";
+import { API, Refused, download, get, getPicture, order, signIn } from "./api.js";
+import { bytes, counted, duration, localTime, rate, workerColor } from "./format.js";
+import { difference } from "./difference.js";
+import { drawGraph } from "./graphs.js";
+import { Picture, tilesOfTrace } from "./picture.js";
 
 const byId = (id) => document.getElementById(id);
 const EVERY = 1000, SHORTEST_PAUSE = 50, HIDDEN_EVERY = 10000, LONGEST_PAUSE = 5000, LOG_LINES = 300;
@@ -209,7 +209,7 @@ function showLog(lines) {
     if (line.number <= lastLine) continue;
     lastLine = line.number;
     const row = make("li", undefined, line.level), time = new Date(line.milliseconds);
-    const stamp = make("time", time.toLocaleTimeString("en-GB"));
+    const stamp = make("time", localTime(time));
     stamp.dateTime = time.toISOString();
     row.append(stamp, make("span", line.text));
     list.prepend(row);
@@ -287,11 +287,11 @@ function showJob(job, frame) {
   byId("frame").textContent = `frame ${frame + 1}`;
   byId("frame-before").disabled = frame === 0;
   byId("frame-after").disabled = frame + 1 >= job.frames_total;
-  byId("trace").href = `/api/v1/jobs/${job.id}/trace.json?frame=${frame}`;
+  byId("trace").href = `${API}jobs/${job.id}/trace.json?frame=${frame}`;
   const name = `job-${job.id}${job.frames_total > 1 ? `-frame-${frame + 1}` : ""}`;
-  byId("save-picture").href = `/api/v1/jobs/${job.id}/picture.png?frame=${frame}`;
+  byId("save-picture").href = `${API}jobs/${job.id}/picture.png?frame=${frame}`;
   byId("save-picture").download = `${name}.png`;
-  byId("save-scene").href = `/api/v1/jobs/${job.id}/scene.tesserab?frame=${frame}`;
+  byId("save-scene").href = `${API}jobs/${job.id}/scene.tesserab?frame=${frame}`;
   byId("save-scene").download = `${name}.tesserab`;
 }
 
@@ -379,7 +379,7 @@ byId("show-cost").addEventListener("change", (event) => { picture.showCost = eve
 // By a request of ours, which has the token.
 function save(event, name) {
   event.preventDefault();
-  const path = event.currentTarget.getAttribute("href").replace("/api/v1/", "");
+  const path = event.currentTarget.getAttribute("href").slice(API.length);
   download(path, name).catch((error) => { byId("order-note").textContent = error.message; });
 }
 byId("save-scene").addEventListener("click", (event) => {

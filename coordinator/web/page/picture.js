@@ -1,5 +1,5 @@
 // The picture so far; over it the tiles that are being traced, or what each tile took.
-import { duration, workerColor } from "/format.js";
+import { duration, workerColor } from "./format.js";
 
 const RAMP = [[44, 63, 115], [47, 127, 134], [127, 179, 106], [240, 210, 100], [226, 112, 58]];
 const PENDING = 0, ASSIGNED = 1, DONE = 2, GIVEN_UP = 3;

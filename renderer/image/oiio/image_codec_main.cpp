@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/core_count.h"
 #include "base/owned_descriptor.h"
 #include "renderer/image/channel/image_channel.h"
 #include "renderer/image/plain/image_answer.h"
@@ -186,6 +187,8 @@ int main(int count, char** arguments) {
   syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, 0);
   // What is wrong with a picture is told to who asked; libraries would print it too.
   if (std::FILE* const nowhere = std::fopen("/dev/null", "w")) stderr = nowhere;
+  // In the sandbox the files that tell the quota are out of reach.
+  tessera::core_count();
   const bool decodes = count < 2 || std::string_view(arguments[1]) != tessera::kConvertsColors;
   tessera::Server server(STDIN_FILENO, decodes,
                          tessera::enter_sandbox(tessera::readable_places(decodes)));

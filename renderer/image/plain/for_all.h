@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <thread>
 
+#include "base/core_count.h"
 #include "base/parallel.h"
 
 namespace tessera {
@@ -13,13 +13,11 @@ namespace tessera {
 /// none did. Throws what one of them throws.
 template <typename Work>
 bool for_all(size_t count, const Work& work) {
-  constexpr unsigned kMostThreads = 8;
+  constexpr int kMostThreads = 8;
   std::atomic<bool> goes_on = true;
-  for_each_parallel(count,
-                    static_cast<int>(std::min(std::thread::hardware_concurrency(), kMostThreads)),
-                    [&](size_t i) {
-                      if (goes_on && !work(i)) goes_on = false;
-                    });
+  for_each_parallel(count, std::min(core_count(), kMostThreads), [&](size_t i) {
+    if (goes_on && !work(i)) goes_on = false;
+  });
   return goes_on;
 }
 

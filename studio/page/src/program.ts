@@ -49,7 +49,8 @@ export function connect(events: ProgramEvents): void {
   onParts = events.parts;
   worker = new Worker("worker.js", { name: "studio" });
   worker.onmessage = (event: MessageEvent<FromWorker>) => receive(event.data);
-  toWorker({ kind: "connect", url: `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/studio` });
+  // Beside the page, which a proxy may serve below a path; ws for http, wss for https.
+  toWorker({ kind: "connect", url: new URL("studio", location.href.split("#")[0]).href.replace(/^http/, "ws") });
 }
 
 /** Sends a message; what is said while nobody listens is not kept. */

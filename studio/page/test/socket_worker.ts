@@ -13,7 +13,7 @@ class SocketWorker {
     if (message.kind === "send") said.push(JSON.parse(message.text!));
   }
 }
-Object.assign(globalThis, { Worker: SocketWorker, location: { protocol: "http:", host: "here" } });
+Object.assign(globalThis, { Worker: SocketWorker, location: { href: "http://here/" } });
 
 /** Has the page hear what the program says. */
 export const hear = (message: object) => worker.onmessage!({ data: { kind: "message", text: JSON.stringify(message) } });

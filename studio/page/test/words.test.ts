@@ -5,7 +5,7 @@ import { keptKeys, keyMap, matching, nameOfKey, whyNotKey } from "../src/core/ke
 import { keptLook } from "../src/core/looks.js";
 import { isScene, isText, endingOf } from "../src/core/paths.js";
 import { decode, encode, type JobReport } from "../src/core/protocol.js";
-import { progressWords, short, viewWords, type ViewState } from "../src/core/view_words.js";
+import { dateAndTime, progressWords, short, viewWords, type ViewState } from "../src/core/view_words.js";
 
 const job: JobReport = { pane: 0, serial: 3, file: "a.crt", version: 2, scale: 4, samples: 1, width: 10, height: 10, state: "tracing" };
 const view: ViewState = { connection: "open", file: "a.crt", job, progress: undefined, paused: false, reading: false, workers: 1 };
@@ -25,6 +25,12 @@ test("the view says what it shows", () => {
   assert.equal(words({ paused: true, reading: true }).words, "paused");
   assert.equal(words({ reading: true, job: { ...job, stale: { as_of: 0, why: "" } } }).words, "reading");
   assert.equal(words({ job: undefined, workers: 0 }).words, "waiting for workers");
+});
+
+test("a time has its date and zone", () => {
+  const time = new Date(2026, 1, 3, 12, 30, 1).getTime();
+  assert.ok(/^2026-02-03T12:30:01[+-][0-9]{2}:[0-9]{2}$/.test(dateAndTime(time)));
+  assert.equal(new Date(dateAndTime(time)).getTime(), time);
 });
 
 test("connecting is tried again ever later", () => {

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "base/log.h"
@@ -33,6 +34,21 @@ TEST(JsonLog, IsAnObjectALine) {
   const std::string time = json["time"];
   EXPECT_EQ(time.size(), std::string("2026-03-01T12:00:00.123Z").size()) << time;
   EXPECT_EQ(nlohmann::json::parse(second)["text"], "\"quoted\"\nand\tno UTF-8: \xef\xbf\xbd");
+}
+
+TEST(TextLog, HasDateAndZone) {
+  const auto before = spdlog::default_logger();
+  testing::internal::CaptureStderr();
+  configure_logging("info", "serve");
+  spdlog::info("job 7 has come");
+  spdlog::default_logger()->flush();
+  const std::string line = testing::internal::GetCapturedStderr();
+  spdlog::set_default_logger(before);
+  EXPECT_TRUE(std::regex_match(
+      line,
+      std::regex(
+          R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d serve info job 7 has come\n)")))
+      << line;
 }
 
 }  // namespace

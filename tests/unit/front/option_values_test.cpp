@@ -46,13 +46,52 @@ TEST(OptionValues, CropsHaveAnInside) {
   }
 }
 
-TEST(OptionValues, FramesAreARangeOrOne) {
-  EXPECT_EQ(parse_frames("--frames", "3-17").first, 3);
-  EXPECT_EQ(parse_frames("--frames", "3-17").last, 17);
-  EXPECT_EQ(parse_frames("--frames", "5").last, 5);
-  for (const char* wrong : {"", "-", "3-", "-3", "4-3", "1-2-3"}) {
-    EXPECT_NE(usage_error_of([&] { parse_frames("--frames", wrong); }), "no error") << wrong;
+TEST(OptionValues, FramesAreNumbersRangesAndSteps) {
+  const auto frames = [](const char* text) { return parse_frames("--frames", text); };
+  EXPECT_EQ(frames("5"), FrameNumbers({5}));
+  EXPECT_EQ(frames("3-6"), FrameNumbers({3, 4, 5, 6}));
+  EXPECT_EQ(frames("3..6"), FrameNumbers({3, 4, 5, 6}));
+  EXPECT_EQ(frames("7-7"), FrameNumbers({7}));
+  EXPECT_EQ(frames("1-20x5"), FrameNumbers({1, 6, 11, 16}));
+  EXPECT_EQ(frames("1-21x5"), FrameNumbers({1, 6, 11, 16, 21}));
+  EXPECT_EQ(frames("0-9x100"), FrameNumbers({0}));
+  EXPECT_EQ(frames("1,5,10-12"), FrameNumbers({1, 5, 10, 11, 12}));
+  EXPECT_EQ(frames("999999990-999999999x9"), FrameNumbers({999999990, 999999999}));
+  // In any order, with spaces, and given twice.
+  EXPECT_EQ(frames("10-12, 5, 1-9x4, 11"), FrameNumbers({1, 5, 9, 10, 11, 12}));
+  for (const char* wrong : {"",
+                            "-",
+                            "3-",
+                            "-3",
+                            "4-3",
+                            "1-2-3",
+                            "1,",
+                            ",1",
+                            "1,,2",
+                            "1x2",
+                            "1-9x",
+                            "1-9x0",
+                            "x3",
+                            "1-9x-1",
+                            "1.5",
+                            "1...3",
+                            "0--0",
+                            "1 3",
+                            "1-9y2",
+                            "1- 3",
+                            "0-1000000000",
+                            "99999999999999999999"}) {
+    EXPECT_NE(usage_error_of([&] { frames(wrong); }).find("1,5,10-20 or 1-100x5"),
+              std::string::npos)
+        << wrong;
   }
+}
+
+TEST(OptionValues, TooManyFramesAreRefusedBeforeTheyAreCounted) {
+  EXPECT_EQ(parse_frames("--frames", "1-1000000").size(), 1000000U);
+  EXPECT_EQ(usage_error_of([] { parse_frames("--frames", "0-999999999"); }),
+            "--frames: '0-999999999' asks for 1000000000 frames; expected at most 1000000");
+  EXPECT_NE(usage_error_of([] { parse_frames("--frames", "0-600000,0-600000"); }), "no error");
 }
 
 TEST(OptionValues, ChannelsMayHaveSpacesBetween) {

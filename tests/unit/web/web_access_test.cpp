@@ -115,6 +115,44 @@ TEST(WebAccess, WebSocketsAreOpenedByOurOwnPageAlone) {
   EXPECT_EQ(opened(of_file, "studio.example", "https://evil.example"), 403);
 }
 
+TEST(WebAccess, PagesOfThePublicAddressAreItsOwn) {
+  WebAccess access;
+  access.set_public_address(
+      parse_public_address("--http-origin", "https://Farm.example:443/tessera"));
+  for (const char* host : {"127.0.0.1:8080", "farm.example", "FARM.example:443"}) {
+    const auto from = [&](const char* origin) {
+      return status(access, an_order({{"host", host}, {"origin", origin}}), Role::submitter);
+    };
+    EXPECT_EQ(from("https://farm.example"), 200) << host;
+    for (const char* origin : {"http://farm.example", "https://farm.example:8443", "null",
+                               "https://farm.example.evil.example", "https://evil.example"}) {
+      EXPECT_EQ(from(origin), 403) << host << " " << origin;
+    }
+    const auto refused =
+        access.refuse_upgrade(request({{"host", host}, {"origin", "https://farm.example"}}));
+    EXPECT_FALSE(refused) << host;
+  }
+  EXPECT_EQ(status(access, request({{"host", "evil.example"}}), Role::viewer), 421);
+}
+
+TEST(PublicAddress, IsThatOfAPage) {
+  const auto parse = [](const std::string& text) {
+    return parse_public_address("--http-origin", text);
+  };
+  const PublicAddress address = parse("HTTPS://Farm.Example:8443/a/B");
+  EXPECT_EQ(address.url, "https://farm.example:8443/a/B/");
+  EXPECT_EQ(address.origin, "https://farm.example:8443");
+  EXPECT_EQ(address.host, "farm.example");
+  EXPECT_EQ(parse("http://farm.example:80").url, "http://farm.example/");
+  EXPECT_EQ(parse("https://[2001:db8::1]/").origin, "https://[2001:db8::1]");
+  for (const char* wrong :
+       {"", "farm.example", "ftp://farm.example", "https://", "https:///x", "https://farm.example:",
+        "https://farm.example:x", "https://a@farm.example", "https://farm.example/?a",
+        "https://farm.example/#a", "https://farm example/", "https://farm.example/a b", "//x/"}) {
+    EXPECT_THROW(parse(wrong), Error) << wrong;
+  }
+}
+
 TEST(WebAccess, KnowsATokenByItself) {
   const WebAccess access = WebAccess::of_token("token-of-this-start", Role::submitter);
   EXPECT_EQ(access.role_of("token-of-this-start"), Role::submitter);

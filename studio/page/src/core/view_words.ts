@@ -68,11 +68,17 @@ function seconds(time: number | undefined): string {
   return time === undefined ? "" : `, ${time < 10 ? time.toFixed(2) : time.toFixed(0)} s`;
 }
 
-/** HH:MM:SS of milliseconds since 1970. */
+/** Local time of milliseconds since 1970 with date and zone, as ISO 8601 has it. */
+export function dateAndTime(time: number): string {
+  const zone = -new Date(time).getTimezoneOffset(), ahead = Math.abs(zone);
+  const two = (count: number) => String(count).padStart(2, "0");
+  const local = new Date(time + zone * 60000).toISOString().slice(0, 19);
+  return `${local}${zone < 0 ? "-" : "+"}${two(Math.floor(ahead / 60))}:${two(ahead % 60)}`;
+}
+
+/** HH:MM:SS of milliseconds since 1970, for what is of this hour. */
 export function clock(time: number | null): string {
-  if (time === null) return "an earlier text";
-  const date = new Date(time);
-  return [date.getHours(), date.getMinutes(), date.getSeconds()].map((each) => String(each).padStart(2, "0")).join(":");
+  return time === null ? "an earlier text" : dateAndTime(time).slice(11, 19);
 }
 
 /** A number in three significant digits; a whole one below 1000 in all of its own. */

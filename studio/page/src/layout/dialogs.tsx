@@ -2,7 +2,7 @@ import type { Signal } from "@preact/signals";
 import { useRef, useState } from "preact/hooks";
 import licences from "virtual:licences";
 import { matching } from "../core/keys.js";
-import { clock } from "../core/view_words.js";
+import { dateAndTime } from "../core/view_words.js";
 import { closing, commands, type Command } from "../commands.js";
 import { question } from "../confirm.js";
 import { copyCanvas } from "../clipboard.js";
@@ -226,7 +226,7 @@ function Recovery({ document }: { document: documents.OpenDocument }) {
   return (
     <Dialog title="Recover unsaved text" close={() => documents.postponeDraft(file)} wide={isCompared}>
       <p>
-        {file} has text that was never saved, from {clock(draft!.saved_at)}. The file on the disk is {documents.stateOf(document).doc.length} characters long, the unsaved text {draft!.text.length}.
+        {file} has text that was never saved, from {dateAndTime(draft!.saved_at)}. The file on the disk is {documents.stateOf(document).doc.length} characters long, the unsaved text {draft!.text.length}.
       </p>
       {isCompared && (
         <ComparedTexts before={{ label: "On the disk", text: documents.stateOf(document).doc.toString() }} after={{ label: "Unsaved", text: draft!.text }} />

@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { placeIn } from "../core/log_places.js";
-import { clock } from "../core/view_words.js";
+import { clock, dateAndTime } from "../core/view_words.js";
 import * as documents from "../documents.js";
 import * as state from "../state.js";
 
@@ -32,7 +32,7 @@ export function ConsolePanel() {
   useLayoutEffect(() => {
     if (following.current && host.current) host.current.scrollTop = host.current.scrollHeight;
   }, [lines.length, lines[lines.length - 1]?.serial]);
-  const copy = () => navigator.clipboard?.writeText(lines.map((each) => `${clock(each.at)} ${each.level} ${each.text}`).join("\n"));
+  const copy = () => navigator.clipboard?.writeText(lines.map((each) => `${dateAndTime(each.at)} ${each.level} ${each.text}`).join("\n"));
   return (
     <>
       <div class="bar">
@@ -59,7 +59,7 @@ export function ConsolePanel() {
       >
         {lines.map((each) => (
           <div key={each.serial} class={`line level-${each.level}`}>
-            <span class="aside">{clock(each.at)}</span>
+            <span class="aside" title={dateAndTime(each.at)}>{clock(each.at)}</span>
             <span class="words">{each.text}</span>
             <Place text={each.text} />
           </div>
