@@ -25,11 +25,11 @@ std::vector<std::string> alternated(std::vector<std::string> addresses) {
   const auto is_like_first = [first = addresses.front().front() == '['](const std::string& host) {
     return (host.front() == '[') == first;
   };
-  const auto others = std::ranges::stable_partition(addresses, is_like_first);
+  const auto others = std::stable_partition(addresses.begin(), addresses.end(), is_like_first);
   std::vector<std::string> result;
   auto one = addresses.begin();
-  for (auto other = others.begin(); one != others.begin() || other != addresses.end();) {
-    if (one != others.begin()) result.push_back(*one++);
+  for (auto other = others; one != others || other != addresses.end();) {
+    if (one != others) result.push_back(*one++);
     if (other != addresses.end()) result.push_back(*other++);
   }
   if (result.size() > kMostAddresses) result.resize(kMostAddresses);
