@@ -48,7 +48,7 @@ NAME = "''; expected text that is not empty"
     (lambda: render(frame=2**70), f"frame: {2**70}; {FRAMES}"),
     (lambda: SCENE.frames(2**31), f"first: {2**31}; {FRAMES}"),
     (lambda: ts.load(__file__, frame=-2**40), f"frame: {-2**40}; {FRAMES}"),
-    (lambda: render(camera=""), f"camera: {NAME}"),
+    (lambda: render(camera=""), "camera: ''; expected CAMERA"),
     (lambda: SCENE.tracer(camera=""), f"camera: {NAME}"),
     (lambda: TRACER.camera_rays((4, 4), camera=""), f"camera: {NAME}"),
     (lambda: render(resume=""), f"resume: {NAME}"),
