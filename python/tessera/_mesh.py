@@ -77,6 +77,8 @@ class Mesh(_messages.Mesh):
     :param normals: (v, 3); without them triangles are flat.
     :param uvs: texture coordinates, (v, 2).
     :param colors: (v, 3) or (v, 4), linear RGB and alpha.
+    :param tangents: (v, 4), along which normal maps' x lies, and 1 or -1 for the side of their y;
+        without them along u and v.
     :param face_materials: (t,), which of `materials` each triangle has.
     :param closed: bounds a solid, so that it can be part of a Csg.
     :param recenter: puts the middle of the vertices into `transform`, in double precision.
@@ -96,12 +98,15 @@ class Mesh(_messages.Mesh):
         "uvs", "Texture coordinates of the vertices, (v, 2) float32.")
     colors: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
         "colors", "Of the vertices, (v, 4) float32.")
+    tangents: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
+        "tangents", "Of the vertices, (v, 4) float32.")
     face_materials: _ArrayField[Numbers] = _ArrayField(  # type: ignore[assignment]
         "face_materials", "Of the triangles, (t,) uint32.")
 
     def __init__(self, positions: Optional[ArrayLike] = None, triangles: Optional[ArrayLike] = None, *,
                  normals: Optional[ArrayLike] = None, uvs: Optional[ArrayLike] = None,
                  colors: Optional[ArrayLike] = None, face_materials: Optional[ArrayLike] = None,
+                 tangents: Optional[ArrayLike] = None,
                  materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
                  recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
                  material: Optional[Union[str, _messages.Material]] = None,
@@ -124,7 +129,8 @@ class Mesh(_messages.Mesh):
                     raise ValueError(f"positions: {count} without triangles; expected a multiple of 3")
                 triangles = [(i, i + 1, i + 2) for i in range(0, count, 3)]
         for field, given in (("triangles", triangles), ("normals", normals), ("uvs", uvs),
-                             ("colors", colors), ("face_materials", face_materials)):
+                             ("colors", colors), ("tangents", tangents),
+                             ("face_materials", face_materials)):
             Mesh.__dict__[field].put(self, given, copy)
 
     @property
@@ -160,7 +166,7 @@ class Mesh(_messages.Mesh):
     @classmethod
     def from_(cls, source: Any, *, normals: Optional[ArrayLike] = None,
               uvs: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
-              face_materials: Optional[ArrayLike] = None,
+              face_materials: Optional[ArrayLike] = None, tangents: Optional[ArrayLike] = None,
               materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
               recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
               material: Optional[Union[str, _messages.Material]] = None,
@@ -181,6 +187,6 @@ class Mesh(_messages.Mesh):
             raise TypeError(f"{with_article(source)}; expected vertices or points, and faces, "
                             "triangles or cells")
         return cls(positions, triangles, normals=normals, uvs=uvs, colors=colors,
-                   face_materials=face_materials, materials=materials, closed=closed,
+                   face_materials=face_materials, tangents=tangents, materials=materials, closed=closed,
                    recenter=recenter, copy=copy, name=name, material=material,
                    flip_normals=flip_normals, transform=transform, **unknown)

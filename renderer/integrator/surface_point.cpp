@@ -96,7 +96,7 @@ void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfaceP
   if (inputs.normal_map == kNoTexture && inputs.bump == kNoTexture) return;
   // Relief is given as seen from the front.
   const double side = point.is_back ? -1 : 1;
-  const SurfaceFrame frame{point.normal * side, s.dpdu, s.dpdv};
+  const SurfaceFrame frame{point.normal * side, s.dpdu, s.dpdv, s.tangent, s.bitangent};
   // Nothing finer than the rounding of the point can be told apart.
   const double least = 0x1p-20 * max_component(abs(at.world.at));
   const Affine& to_object = scene.instances[s.instance].world_from_object.inverse_matrix();

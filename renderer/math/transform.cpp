@@ -1,5 +1,7 @@
 #include "renderer/math/transform.h"
 
+#include <cmath>
+
 #include "renderer/math/elementary.h"
 #include "renderer/math/rounding.h"
 
@@ -59,6 +61,23 @@ double condition(const Affine& a, const Affine& inverse) {
     largest = std::max(largest, sum);
   }
   return largest;
+}
+
+bool is_finite(const Affine& a) {
+  for (const auto& row : a.m)
+    for (const double value : row)
+      if (!std::isfinite(value)) return false;
+  return true;
+}
+
+bool is_invertible(const Affine& a) {
+  const double determinant = a.determinant();
+  if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(1 / determinant))
+    return false;
+  const Affine inverted = inverse(a);
+  // Beyond, nothing but rounding is left of where it leads: it was flat before it was multiplied.
+  constexpr double kLargestCondition = 0x1p46;
+  return is_finite(inverted) && condition(a, inverted) <= kLargestCondition;
 }
 
 Affine translation(const Vec3& by) {

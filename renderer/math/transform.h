@@ -33,6 +33,9 @@ Affine inverse(const Affine& a);
 /// |a| |inverse| (Skeel 1979). At most 3 for turns, and for scaling along the axes 1 however
 /// uneven.
 double condition(const Affine& a, const Affine& inverse);
+bool is_finite(const Affine& a);
+/// Whether the 3x3 part can be inverted without leaving the range of double or what it resolves.
+bool is_invertible(const Affine& a);
 
 Affine translation(const Vec3& by);
 Affine scaling(const Vec3& by);

@@ -58,6 +58,11 @@ uint32_t MaterialTable::use(const Where& where, const std::string& name) {
   return index;
 }
 
+bool MaterialTable::has_normal_map(uint32_t index) const {
+  const uint32_t inputs = materials_[index].inputs;
+  return inputs != kNoMaterialInputs && inputs_[inputs].normal_map != kNoTexture;
+}
+
 bool MaterialTable::needs_uv(uint32_t index) const {
   if (materials_[index].inputs == kNoMaterialInputs) return false;
   const MaterialInputs& inputs = inputs_[materials_[index].inputs];

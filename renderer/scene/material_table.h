@@ -27,6 +27,7 @@ class MaterialTable {
   const std::vector<Material>& materials() const { return materials_; }
   /// Whether shading with it depends on texture coordinates.
   bool needs_uv(uint32_t index) const;
+  bool has_normal_map(uint32_t index) const;
   std::vector<Material> take() { return std::move(materials_); }
   std::vector<MaterialInputs> take_inputs() { return std::move(inputs_); }
 

@@ -51,6 +51,7 @@ std::shared_ptr<TriangleMesh> take_mesh(const Where& where, const v1::Shape& sha
   };
   if (!source.keep.normals) drop(mesh->normals);
   if (!source.keep.uvs) drop(mesh->uvs);
+  if (!source.keep.tangents) drop(mesh->tangents);
   if (!source.keep.colors && all_opaque) drop(mesh->colors);
   built.bytes = mesh->bytes();
   built.triangles_dropped = drop_degenerate(*mesh, source.threads).total();

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "renderer/math/elementary.h"
+#include "renderer/math/mix_transforms.h"
 
 namespace tessera {
 
@@ -65,39 +66,52 @@ void mix(v1::Vec3& a, const v1::Vec3& b, double s) {
   a.set_z(a.z() + s * (b.z() - a.z()));
 }
 
-struct Quaternion {
-  double w;
-  Vec3 v;
-};
+/// An axis that keys share may be written with other digits in each.
+constexpr double kRounding = 1e-6;
 
-Quaternion operator*(const Quaternion& a, const Quaternion& b) {
-  return {a.w * b.w - dot(a.v, b.v), a.w * b.v + b.w * a.v + cross(a.v, b.v)};
-}
-
-Quaternion to_quaternion(const Where& where, const v1::AxisAngle& rotate) {
-  const Vec3 axis = checked_direction(where, "rotate.axis", rotate.axis());
-  const double half =
-      portable::radians(std::fmod(checked(where, "rotate.angle", rotate.angle()), 720.0)) / 2;
-  return {portable::cos(half), axis * portable::sin(half)};
-}
-
-/// Constant speed about one axis: by angle where both keys share it, else along the shorter arc
-/// (Shoemake 1985).
+/// Constant speed about one axis: by angle where both keys share it, even over several turns, else
+/// along the shorter arc.
 Affine mix_rotations(const Where& where, const v1::AxisAngle& a, const v1::AxisAngle& b, double s) {
   const Vec3 axis_a = checked_direction(where, "rotate.axis", a.axis());
-  const Vec3 axis_b = checked_direction(where, "rotate.axis", b.axis());
-  if (axis_a == axis_b || a.angle() == 0 || b.angle() == 0) {
-    v1::AxisAngle mixed = a.angle() == 0 ? b : a;
-    mixed.set_angle(a.angle() + s * (b.angle() - a.angle()));
-    return read_rotation(where, mixed);
+  Vec3 axis_b = checked_direction(where, "rotate.axis", b.axis());
+  const double angle_a = checked(where, "rotate.angle", a.angle());
+  double angle_b = checked(where, "rotate.angle", b.angle());
+  const auto turned = [](const Vec3& axis, double degrees) {
+    const double angle = std::fmod(degrees, 360.0);
+    return angle == 0 ? Affine{} : rotation(axis, portable::radians(angle));
+  };
+  if (std::abs(angle_a) <= kRounding) return turned(axis_b, angle_a + s * (angle_b - angle_a));
+  if (std::abs(angle_b) <= kRounding) return turned(axis_a, angle_a + s * (angle_b - angle_a));
+  if (length(cross(axis_a, axis_b)) <= kRounding) {
+    if (dot(axis_a, axis_b) < 0) axis_b = -axis_b, angle_b = -angle_b;
+    return turned(axis_a + s * (axis_b - axis_a), angle_a + s * (angle_b - angle_a));
   }
-  const Quaternion from = to_quaternion(where, a);
-  Quaternion turn = Quaternion{from.w, -from.v} * to_quaternion(where, b);
-  if (turn.w < 0) turn = {-turn.w, -turn.v};
-  const double sine = length(turn.v);
-  if (sine == 0) return read_rotation(where, a);
-  const double angle = 2 * portable::atan2(sine, turn.w);
-  return read_rotation(where, a) * rotation(turn.v, s * angle);
+  return mix_turns(turned(axis_a, angle_a), turned(axis_b, angle_b), s);
+}
+
+/// Eye, target and up are mixed; between an up and its opposite it turns about the view.
+v1::LookAt mix_views(const v1::LookAt& a, const v1::LookAt& b, double s) {
+  v1::LookAt mixed = a;
+  mix(*mixed.mutable_eye(), b.eye(), s);
+  mix(*mixed.mutable_target(), b.target(), s);
+  if (!a.has_up() && !b.has_up()) return mixed;
+  const auto up_of = [](const v1::LookAt& look) {
+    return look.has_up() ? Vec3{look.up().x(), look.up().y(), look.up().z()} : Vec3{0, 1, 0};
+  };
+  const Vec3 from = up_of(a), to = up_of(b);
+  Vec3 up = from + s * (to - from);
+  const bool is_opposite =
+      dot(from, to) < 0 && length(cross(from, to)) <= kRounding * length(from) * length(to);
+  if (is_opposite) {
+    const Vec3 backward{mixed.eye().x() - mixed.target().x(), mixed.eye().y() - mixed.target().y(),
+                        mixed.eye().z() - mixed.target().z()};
+    // No view is an error that reading it tells.
+    up = length_squared(backward) > 0 ? rotation(backward, s * portable::kPi)(from) : from;
+  }
+  mixed.mutable_up()->set_x(up.x);
+  mixed.mutable_up()->set_y(up.y);
+  mixed.mutable_up()->set_z(up.z);
+  return mixed;
 }
 
 Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
@@ -112,16 +126,11 @@ Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
       mix(*mixed.mutable_scale(), b.scale(), s);
       break;
     case Step::kLookAt:
-      mix(*mixed.mutable_look_at()->mutable_eye(), b.look_at().eye(), s);
-      mix(*mixed.mutable_look_at()->mutable_target(), b.look_at().target(), s);
+      read_step(where, a);
+      *mixed.mutable_look_at() = mix_views(a.look_at(), b.look_at(), s);
       break;
     case Step::kMatrix:
-      read_step(where, a);
-      for (int i = 0; i < 12; ++i) {
-        const double value = a.matrix().rows(i);
-        mixed.mutable_matrix()->set_rows(i, value + s * (b.matrix().rows(i) - value));
-      }
-      break;
+      return mix_matrices(read_step(where, a), read_step(where, b), s);
     default:
       break;
   }
@@ -129,13 +138,8 @@ Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
 }
 
 Affine checked_product(const Where& where, const Affine& product) {
-  for (const auto& row : product.m) {
-    for (const double value : row) {
-      if (!std::isfinite(value)) {
-        fail_value(where, "transform", "too large", "finite numbers in its product");
-      }
-    }
-  }
+  if (!is_finite(product))
+    fail_value(where, "transform", "too large", "finite numbers in its product");
   return product;
 }
 
@@ -182,22 +186,6 @@ Affine read_transform(const Where& where, const v1::Transform& transform, const 
     if (time < keys[i].time()) return mix_keys(where, keys[i - 1], keys[i], time);
   }
   return read_transform(where, keys[keys.size() - 1].transform());
-}
-
-bool is_invertible(const Affine& affine) {
-  const double determinant = affine.determinant();
-  if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(1 / determinant)) {
-    return false;
-  }
-  const Affine inverted = inverse(affine);
-  for (const auto& row : inverted.m) {
-    for (const double value : row) {
-      if (!std::isfinite(value)) return false;
-    }
-  }
-  // Beyond, nothing but rounding is left of where it leads: it was flat before it was multiplied.
-  constexpr double kLargestCondition = 0x1p46;
-  return condition(affine, inverted) <= kLargestCondition;
 }
 
 }  // namespace tessera

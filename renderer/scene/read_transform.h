@@ -17,7 +17,4 @@ Affine read_transform(const Where& where, const v1::Transform& transform,
                       const google::protobuf::RepeatedPtrField<v1::TransformKey>& keys,
                       double time);
 
-/// Whether the 3x3 part can be inverted without leaving the range of double or what it resolves.
-bool is_invertible(const Affine& affine);
-
 }  // namespace tessera

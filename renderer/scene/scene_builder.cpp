@@ -47,7 +47,7 @@ class SceneBuilder {
         source_{.blobs = blobs,
                 .accelerator = {},
                 .threads = threads,
-                .keep = {.normals = true, .uvs = true, .colors = true},
+                .keep = {.normals = true, .uvs = true, .tangents = true, .colors = true},
                 .sharing = sharing},
         textures_(description, blobs),
         materials_(description, textures_) {}
@@ -259,7 +259,9 @@ class SceneBuilder {
         if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
         if (sides[side]->is_mirror() || fills(*sides[side])) entry.has_secondary = true;
         entry.is_veil |= sides[side]->is_veil();
-        entry.keep.uvs |= materials_.needs_uv(side == 0 ? index : material->back);
+        const uint32_t number = side == 0 ? index : material->back;
+        entry.keep.uvs |= materials_.needs_uv(number);
+        entry.keep.tangents |= materials_.has_normal_map(number);
         entry.keep.normals |= shows_normals(*sides[side]);
         entry.keep.colors |= shows_colors(*sides[side]);
       }

@@ -104,11 +104,13 @@ double height_at(const MaterialInputs& inputs, TexturePoint point,
 Vec3 mapped_normal(const MaterialInputs& inputs, const TexturePoint& point,
                    std::span<const Texture> textures, const SurfaceFrame& frame) {
   const Vec3& n = frame.normal;
-  const Vec3 along_u = frame.dpdu - n * dot(n, frame.dpdu);
+  const bool is_given = length_squared(frame.tangent) > 0;
+  const Vec3& given = is_given ? frame.tangent : frame.dpdu;
+  const Vec3 along_u = given - n * dot(n, given);
   if (!(length_squared(along_u) > 0)) return n;
   const Vec3 tangent = normalize(along_u);
   Vec3 bitangent = cross(n, tangent);
-  if (dot(bitangent, frame.dpdv) < 0) bitangent = -bitangent;
+  if (dot(bitangent, is_given ? frame.bitangent : frame.dpdv) < 0) bitangent = -bitangent;
   const Color c = look_up(textures[inputs.normal_map], point, textures).color;
   const double scale = inputs.normal_scale;
   const Vec3 mapped =

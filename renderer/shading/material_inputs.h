@@ -66,6 +66,7 @@ void resolve_material(const MaterialInputs& inputs, const TexturePoint& point,
 /// A frame of a surface: unit normal, and the point's derivatives by uv (zero where there is none).
 struct SurfaceFrame {
   Vec3 normal, dpdu, dpdv;
+  Vec3 tangent{}, bitangent{};  ///< along which a normal map lies; zero: dpdu and dpdv
 };
 
 /// The unit normal that normal map and bump map make of frame.normal. `to_object` takes world

@@ -24,7 +24,8 @@ struct LocalSurface {
   Normal3 shading_normal;    ///< unit; equals geometric_normal where nothing smooths it
   Vec3 smooth_shift;         ///< outward, to the surface that vertex normals stand for; or zero
   Vec2 uv;
-  Vec3 dpdu, dpdv;  ///< derivatives of the point by uv; zero where there is no uv
+  Vec3 dpdu, dpdv;          ///< derivatives of the point by uv; zero where there is no uv
+  Vec3 tangent, bitangent;  ///< along which normal maps lie; zero: dpdu and dpdv
   Color vertex_color = kWhite;
   double vertex_alpha = 1;
   bool has_vertex_color = false;

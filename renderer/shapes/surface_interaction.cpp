@@ -32,6 +32,8 @@ void place_moved(const Transform& world_from_object, LocalSurface& s) {
   s.smooth_shift = world_from_object.vector(s.smooth_shift);
   s.dpdu = world_from_object.vector(s.dpdu);
   s.dpdv = world_from_object.vector(s.dpdv);
+  s.tangent = world_from_object.vector(s.tangent);
+  s.bitangent = world_from_object.vector(s.bitangent);
 }
 
 /// What place_moved() does, to the last bit, under the identity.

@@ -41,6 +41,21 @@ void add_uv(const TriangleMesh& mesh, const TriangleIndices& index,
   surface.dpdv = (e2 * du1 - e1 * du2) / det;
 }
 
+/// bitangent = cross(normal, tangent.xyz) * tangent.w (Khronos, glTF 2.0 specification, 3.7.2.1).
+void add_tangent(const TriangleMesh& mesh, const TriangleIndices& index,
+                 const std::array<double, 3>& weight, LocalSurface& surface) {
+  Vec3 tangent;
+  double side = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const Float4& t = mesh.tangents[index[k]];
+    tangent = tangent + Vec3{t.x, t.y, t.z} * weight[k];
+    side += weight[k] * t.w;
+  }
+  surface.tangent = tangent;
+  surface.bitangent =
+      cross(static_cast<Vec3>(surface.shading_normal), tangent) * (side < 0 ? -1 : 1);
+}
+
 /// From the facet to the curved surface between the tangent planes of its vertices, where that is
 /// on the normals' side (Hanika, Ray Tracing Gems II, 4).
 Vec3 smooth_shift(const TriangleMesh& mesh, const TriangleIndices& index,
@@ -87,7 +102,7 @@ Bounds3 TriangleMesh::bounds() const {
 size_t TriangleMesh::bytes() const {
   return positions.size() * sizeof(Float3) + triangles.size() * sizeof(TriangleIndices) +
          normals.size() * sizeof(Float3) + uvs.size() * sizeof(Float2) +
-         colors.size() * sizeof(Float4) +
+         (colors.size() + tangents.size()) * sizeof(Float4) +
          (face_materials.size() + original_numbers.size()) * sizeof(uint32_t);
 }
 
@@ -152,6 +167,7 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
     }
   }
   if (!mesh.uvs.empty()) add_uv(mesh, index, corner, weight, surface);
+  if (!mesh.tangents.empty()) add_tangent(mesh, index, weight, surface);
   if (!mesh.colors.empty()) {
     const auto blend = [&](float Float4::*channel) {
       return weight[0] * mesh.colors[index[0]].*channel +

@@ -32,6 +32,7 @@ struct TriangleMesh {
   std::vector<Float3> normals;           ///< one a vertex; any length but 0
   std::vector<Float2> uvs;               ///< one a vertex
   std::vector<Float4> colors;            ///< one a vertex: linear RGBA
+  std::vector<Float4> tangents;          ///< one a vertex; w is the side of the bitangent
   std::vector<uint32_t> face_materials;  ///< one a triangle
   /// Where drop_degenerate() took some away: the number that each triangle had before, ascending.
   std::vector<uint32_t> original_numbers;

@@ -194,6 +194,7 @@ IncludeResolver::Part IncludeResolver::absorb(LoadedScene& into, const v1::Inclu
   std::move(loaded.warnings.begin(), loaded.warnings.end(), std::back_inserter(into.warnings));
   std::move(loaded.warning_diagnostics.begin(), loaded.warning_diagnostics.end(),
             std::back_inserter(into.warning_diagnostics));
+  std::move(loaded.repairs.begin(), loaded.repairs.end(), std::back_inserter(into.repairs));
   std::move(loaded.unused.begin(), loaded.unused.end(), std::back_inserter(into.unused));
   into.depends_on_frame |= loaded.depends_on_frame;
   return made;

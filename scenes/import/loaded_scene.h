@@ -34,6 +34,9 @@ struct LoadedScene {
   std::map<std::string, PictureChannel> picture_channels{};
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
   std::vector<Diagnostic> warning_diagnostics{};  ///< the parts of each, in the same order
+  /// Of the warnings those about values that break a rule of their format and were taken for the
+  /// nearest that keeps it, each as the error that a strict reading makes of it.
+  std::vector<Diagnostic> repairs{};
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".
   std::vector<std::string> unused{};

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/file.h"
@@ -43,10 +42,8 @@ double TokenReader::number(const char* what) {
   const bool is_number =
       problem != std::errc::invalid_argument && stop == text.data() + text.size();
   if (text.empty() || !is_number) throw error(quoted_word(), what);
-  if (problem == std::errc::result_out_of_range ||
-      !(std::abs(value) <= std::numeric_limits<float>::max()))
-    throw error(quoted_word(), fmt::format("{} that single precision can hold", what));
-  return value;
+  return problem == std::errc::result_out_of_range ? std::numeric_limits<double>::infinity()
+                                                   : value;
 }
 
 SourcePlace TokenReader::place() const {

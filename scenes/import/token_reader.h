@@ -20,7 +20,7 @@ class TokenReader {
   std::string_view word();
   /// What is left of the line, without the spaces around it. Goes to the next line.
   std::string_view rest_of_line();
-  /// A finite number that single precision can hold.
+  /// Any number, infinite and NaN too; infinite where double precision cannot hold it.
   double number(const char* what);
 
   size_t offset() const { return at_; }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,9 +27,21 @@ class Warnings {
   /// `what` is a phrase such as "map_Kd: textures are not read yet".
   void add(std::string_view what, uint64_t times = 1) { add(what, nullptr, times); }
   void add(std::string_view what, const Where& where, uint64_t times = 1);
+  /// Says that a value breaks a rule of its format, as what other programs export does now and
+  /// then, and what is taken in its place: "FILE:LINE:COLUMN: PATH: FOUND; expected EXPECTED;
+  /// TAKEN". Every such value passes here, so that a strict reading may refuse what this lists in
+  /// LoadedScene::repairs. Values of the same name, the last in `path` that is no number, that
+  /// break the same rule are one warning.
+  void repair(std::string_view found, std::string_view expected, std::string_view taken,
+              const Where& where, std::string_view path = {});
+  /// The same of an error that has one place.
+  void repair(const Error& error, std::string_view taken);
+  /// The same where `what` says it all, as in "intensity below 0 is read as 0".
+  void repair(std::string_view what, const Where& where);
 
-  /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance, at most
-  /// kMostEntries; "FILE: what" where no place is known.
+  /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance; at most
+  /// kMostEntries beside repairs, of which there are no more than rules; "FILE: what" where no
+  /// place is known.
   std::vector<std::string> list(const std::string& file) const;
   /// Adds that list, and the parts of each of its lines, to what the file became.
   void add_to(LoadedScene& loaded, const std::string& file) const;
@@ -38,6 +51,7 @@ class Warnings {
     std::string what;
     SourcePlace place;  ///< of an empty file: not known
     uint64_t count = 0;
+    std::optional<Diagnostic> repair;  ///< the error that it would be
   };
 
   std::vector<Entry> entries_;

@@ -14,12 +14,22 @@ struct MeshData {
   std::vector<float> normals;            ///< x y z a vertex
   std::vector<float> uvs;                ///< u v a vertex
   std::vector<float> colors;             ///< r g b a a vertex
+  std::vector<float> tangents;           ///< x y z and the bitangent's side a vertex
   std::vector<uint32_t> triangles;       ///< three vertices a triangle
   std::vector<uint32_t> face_materials;  ///< one a triangle
 
   size_t vertex_count() const { return positions.size() / 3; }
   size_t triangle_count() const { return triangles.size() / 3; }
 };
+
+// What stands for numbers that are not finite, which other programs export now and then: each
+// returns how many it found.
+
+/// Rows of `width` numbers become `instead` as a whole: normals 0, for which the face's own stands,
+/// texture coordinates 0, colours 1.
+size_t replace_endless(std::vector<float>& rows, size_t width, float instead);
+/// Triangles with a corner that is nowhere are taken away.
+size_t drop_unplaced(MeshData& mesh);
 
 /// Turns the arrays into blobs, freeing each as it goes so that at most one is held twice.
 v1::TriangleMesh store_mesh(MeshData mesh, BlobStore& blobs);

@@ -40,9 +40,10 @@ def test_arrays_of_ctypes_are_taken_everywhere():
     mesh = ts.Mesh(vertices, of_ctypes(ctypes.c_int, FACES),
                    normals=of_ctypes(ctypes.c_double, CUBE - .5),
                    uvs=of_ctypes(ctypes.c_float, CUBE[:, :2]), colors=of_ctypes(ctypes.c_float, colors),
+                   tangents=of_ctypes(ctypes.c_float, np.ones((8, 4))),
                    materials=["a", "b"], face_materials=of_ctypes(ctypes.c_ubyte, np.array([0, 1, 0])))
     assert mesh == ts.Mesh(CUBE, FACES, normals=CUBE - .5, uvs=CUBE[:, :2], colors=colors,
-                           materials=["a", "b"], face_materials=[0, 1, 0])
+                           tangents=np.ones((8, 4)), materials=["a", "b"], face_materials=[0, 1, 0])
     matrices = np.arange(24.0).reshape(2, 3, 4)
     assert (ts.Scene().instances("it", of_ctypes(ctypes.c_double, matrices))
             == ts.Scene().instances("it", matrices))

@@ -22,7 +22,7 @@ class GltfAccessor {
   bool is_float() const { return component_ == Component::float32; }
   bool is_normalized() const { return normalized_; }
   /// Rows [first, last) as floats, `width` each: further components are left out, missing ones
-  /// are 1. Normalised integers become shares. Throws where one is not finite.
+  /// are 1. Normalised integers become shares. Floats may be anything, NaN too.
   std::vector<float> floats(size_t first, size_t last, size_t width) const;
   /// All rows' first components.
   std::vector<uint32_t> indices() const;

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/file.h"
 #include "base/plain_text.h"
 #include "scenes/import/data_uri.h"
+#include "scenes/import/decimal.h"
 
 namespace tessera {
 namespace {
@@ -75,6 +78,14 @@ class JsonCheck final : public nlohmann::json_sax<nlohmann::json> {
   int depth_ = 0;
 };
 
+/// Where a text goes on that begins with `before`.
+SourcePlace place_behind(const std::string& name, std::string_view before) {
+  const size_t line = before.rfind('\n');
+  const size_t column = line == std::string_view::npos ? before.size() : before.size() - line - 1;
+  return {name, 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n')),
+          1 + static_cast<int>(column)};
+}
+
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -93,7 +104,7 @@ GltfFile::GltfFile(std::string_view bytes, const std::string& name, GltfFolder f
 
 GltfFile::~GltfFile() = default;
 
-GltfValue GltfFile::root() const { return {json_.get(), &text_, ""}; }
+GltfValue GltfFile::root() { return {json_.get(), &text_, ""}; }
 
 void GltfFile::read_container(std::string_view bytes) {
   constexpr size_t kHeader = 12, kChunkHeader = 8;
@@ -110,10 +121,12 @@ void GltfFile::read_container(std::string_view bytes) {
     throw fail("the file ends in its header", "a .glb file");
   if (word_at(bytes, 4) != 2)
     throw fail(fmt::format("version {} of the container", word_at(bytes, 4)), "version 2");
-  if (word_at(bytes, 8) > bytes.size())
-    throw fail(fmt::format("{} bytes in the header", word_at(bytes, 8)),
-               fmt::format("at most {}, the file's length", bytes.size()));
-  bytes = bytes.substr(0, word_at(bytes, 8));
+  const size_t whole = word_at(bytes, 8);
+  if (whole > bytes.size())
+    text_.warnings.repair(fmt::format("{} bytes in the header", whole),
+                          fmt::format("at most {}, the file's length", bytes.size()),
+                          "its chunks are read", {});
+  bytes = bytes.substr(0, whole);
   for (size_t at = kHeader; at + kChunkHeader <= bytes.size();) {
     const size_t length = word_at(bytes, at);
     const uint32_t kind = word_at(bytes, at + 4);
@@ -125,6 +138,8 @@ void GltfFile::read_container(std::string_view bytes) {
     if (kind == kBinaryChunk && binary_.empty()) binary_ = bytes.substr(at, length);
     at += length;
   }
+  // Spaces are to fill it up; some programs write zeros.
+  json_text_ = json_text_.substr(0, json_text_.find_last_not_of('\0') + 1);
   if (json_text_.empty()) throw fail("no chunk of JSON", "one");
 }
 
@@ -133,16 +148,16 @@ void GltfFile::parse() {
     throw scene_error({text_.name}, fmt::format("{} bytes of JSON", json_text_.size()),
                       fmt::format("at most {}; a .glb holds more", kMaxJson));
   JsonCheck check(text_.name);
-  if (!nlohmann::json::sax_parse(json_text_, &check)) {
+  bool is_json = nlohmann::json::sax_parse(json_text_, &check);
+  if (!is_json) {
+    repaired_json_ = without_endless_numbers();
+    JsonCheck again(text_.name);
+    is_json = repaired_json_ != json_text_ && nlohmann::json::sax_parse(repaired_json_, &again);
+    if (is_json) json_text_ = repaired_json_;
+  }
+  if (!is_json) {
     SourcePlace place{text_.name};
-    if (!text_.text.empty()) {
-      const std::string_view before = json_text_.substr(0, check.begin);
-      place.line = 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n'));
-      const size_t line = before.rfind('\n');
-      place.column = static_cast<int>(line == std::string_view::npos ? before.size()
-                                                                     : before.size() - line - 1) +
-                     1;
-    }
+    if (!text_.text.empty()) place = place_behind(text_.name, json_text_.substr(0, check.begin));
     if (!check.number.empty())
       throw scene_error(place, fmt::format("the number {}", check.number),
                         "one that double precision can hold");
@@ -150,6 +165,61 @@ void GltfFile::parse() {
   }
   json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(json_text_));
   if (!json_->is_object()) throw root().error("no JSON object", "the JSON of a glTF file");
+}
+
+/// The JSON with null for each number that is not finite: NaN and Infinity, which some programs
+/// write and JSON has no words for, and what double precision cannot hold.
+std::string GltfFile::without_endless_numbers() {
+  std::string out;
+  bool is_quoted = false;
+  for (size_t at = 0; at < json_text_.size();) {
+    const std::string_view rest = json_text_.substr(at);
+    size_t length = 1;
+    if (is_quoted || rest.front() == '"') {
+      if (rest.front() == '"') is_quoted = !is_quoted;
+      if (rest.front() == '\\') length = std::min<size_t>(2, rest.size());
+    } else if (const size_t end = rest.find_first_of(" \t\r\n,:{}[]\""); end != 0) {
+      length = std::min(end, rest.size());
+      // Takes "inf" and "nan" in any case, too.
+      double number = 0;
+      const auto [stop, problem] = read_decimal(rest.data(), rest.data() + length, number);
+      const bool is_whole = stop == rest.data() + length && problem != std::errc::invalid_argument;
+      if (is_whole && (problem != std::errc() || !std::isfinite(number))) {
+        const std::string_view before = json_text_.substr(0, at);
+        text_.warnings.repair(std::string(rest.substr(0, length)), "a finite number",
+                              "it is left out", [&] {
+                                return text_.text.empty() ? SourcePlace{text_.name}
+                                                          : place_behind(text_.name, before);
+                              });
+        out += "null";
+        at += length;
+        continue;
+      }
+    }
+    out += rest.substr(0, length);
+    at += length;
+  }
+  return out;
+}
+
+std::vector<std::string> GltfFile::extension_names() {
+  std::set<std::string> names;
+  const GltfValue used = root()["extensionsUsed"];
+  for (size_t i = 0; i < used.size(); ++i) names.insert(used.at(i).text(""));
+  std::vector<const nlohmann::json*> open{json_.get()};
+  while (!open.empty()) {
+    const nlohmann::json& value = *open.back();
+    open.pop_back();
+    if (value.is_object()) {
+      const auto found = value.find("extensions");
+      if (found != value.end() && found->is_object())
+        for (const auto& [name, content] : found->items()) names.insert(name);
+    }
+    if (value.is_structured())
+      for (const nlohmann::json& member : value) open.push_back(&member);
+  }
+  names.erase("");
+  return {names.begin(), names.end()};
 }
 
 void GltfFile::spend(uint64_t amount, const GltfValue& on) {
@@ -205,8 +275,9 @@ std::string_view GltfFile::buffer(size_t index) {
     throw value.error("neither a uri nor the binary part of a .glb", "one of them");
   }
   if (bytes.size() < length)
-    throw value["byteLength"].error(fmt::format("{} bytes", length),
-                                    fmt::format("at most {}, which are there", bytes.size()));
+    value["byteLength"].repair(fmt::format("{} bytes", length),
+                               fmt::format("at most {}, which are there", bytes.size()),
+                               "what is there is read");
   return bytes.substr(0, length);
 }
 
@@ -221,7 +292,8 @@ GltfFile::View GltfFile::view(size_t index) {
     throw value.error(fmt::format("{} bytes from byte {} on", length, offset),
                       fmt::format("an end within the buffer's {} bytes", bytes.size()));
   const uint64_t stride = value["byteStride"].whole().value_or(0);
-  if (stride > 252) throw value["byteStride"].error(fmt::format("{}", stride), "4 to 252");
+  if (stride > 252)
+    value["byteStride"].repair(fmt::format("{}", stride), "4 to 252", "it is taken all the same");
   return {bytes.substr(offset, length), stride};
 }
 

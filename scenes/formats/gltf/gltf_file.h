@@ -26,10 +26,14 @@ class GltfFile {
   GltfFile& operator=(const GltfFile&) = delete;
   ~GltfFile();
 
-  GltfValue root() const;
+  GltfValue root();
   const std::string& name() const { return text_.name; }
+  /// Of extensions: those that it says it uses, and those that are used in it all the same.
+  std::vector<std::string> extension_names();
+  /// What there is to say of the file.
+  Warnings& warnings() { return text_.warnings; }
   /// An element of a top-level array, by an index that some value holds.
-  GltfValue element(const char* array, size_t index) const { return root()[array].at(index); }
+  GltfValue element(const char* array, size_t index) { return root()[array].at(index); }
 
   struct View {
     std::string_view bytes;
@@ -49,10 +53,12 @@ class GltfFile {
  private:
   void read_container(std::string_view bytes);
   void parse();
+  std::string without_endless_numbers();
   std::string_view buffer(size_t index);
 
   GltfText text_;
   std::string_view json_text_, binary_;
+  std::string repaired_json_;  ///< what json_text_ is of where it is not the file's own
   GltfFolder folder_;
   std::unique_ptr<nlohmann::json> json_;
   std::vector<std::optional<std::string>> buffers_;

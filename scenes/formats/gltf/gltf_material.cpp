@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "renderer/math/elementary.h"
@@ -13,11 +14,7 @@ namespace {
 
 using Image = v1::Texture::Image;
 
-double share(const GltfValue& value, double without) {
-  const double number = value.number(without);
-  if (number < 0 || number > 1) throw value.error(fmt::format("{}", number), "0 to 1");
-  return number;
-}
+double share(const GltfValue& value, double without) { return value.number_within(without, 0, 1); }
 
 /// The objects of a material that refer to textures, the most visible first.
 std::vector<GltfValue> texture_infos(const GltfValue& in) {
@@ -72,9 +69,9 @@ size_t GltfMaterials::choose_uv_set(const GltfValue& in) {
 void GltfMaterials::color(const GltfValue& factor, double without, const GltfValue& info,
                           v1::ColorInput* out) {
   const auto given = factor.numbers(factor.size() == 4 ? 4 : 3);
-  const std::vector<double> rgb = given.value_or(std::vector<double>(3, without));
-  for (size_t i = 0; i < 3; ++i)
-    if (rgb[i] < 0) throw factor.error(fmt::format("{}", rgb[i]), "colours of 0 or more");
+  std::vector<double> rgb = given.value_or(std::vector<double>(3, without));
+  if (given)
+    for (size_t i = 0; i < 3; ++i) rgb[i] = factor.at(i).amount(0);
   out->mutable_value()->set_r(rgb[0]);
   out->mutable_value()->set_g(rgb[1]);
   out->mutable_value()->set_b(rgb[2]);
@@ -116,15 +113,14 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
   number(pbr["roughnessFactor"], 1, packed, v1::FloatInput::GREEN, made.mutable_roughness());
   if (const GltfValue occlusion = in["occlusionTexture"]) {
     number({nullptr, nullptr, ""}, 1, occlusion, v1::FloatInput::RED, made.mutable_occlusion());
-    if (share(occlusion["strength"], 1) != 1)
+    if (share(occlusion["strength"], 1) < 1 - 1e-6)
       warnings_.add("an occlusionTexture's strength is taken as 1");
   }
   const GltfValue glow = in["emissiveFactor"];
   if (glow) {
     color(glow, 0, in["emissiveTexture"], made.mutable_emission());
     const GltfValue strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"];
-    const double times = strength.number(1);
-    if (times < 0) throw strength.error(fmt::format("{}", times), "0 or more");
+    const double times = strength.amount(1);
     v1::Color& value = *made.mutable_emission()->mutable_value();
     value.set_r(value.r() * times);
     value.set_g(value.g() * times);
@@ -135,10 +131,10 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
 
 void GltfMaterials::layers(const GltfValue& extensions, v1::Physical& out) {
   if (const GltfValue index = extensions["KHR_materials_ior"]["ior"]) {
-    const double value = index.number(1.5);
-    if (value != 0 && value < 1) throw index.error(fmt::format("{}", value), "1 or more");
     // 0 asks for full reflection at every angle; the largest index there is comes nearest.
-    out.set_refractive_index(value == 0 ? 1e6 : value);
+    constexpr double kEndless = 1e6, kNoBound = std::numeric_limits<double>::infinity();
+    out.set_refractive_index(index.number(1.5) == 0 ? kEndless
+                                                    : index.number_within(1.5, 1, kNoBound));
   }
   const GltfValue clear = extensions["KHR_materials_transmission"];
   const GltfValue volume = extensions["KHR_materials_volume"];
@@ -165,6 +161,9 @@ void GltfMaterials::layers(const GltfValue& extensions, v1::Physical& out) {
            v1::FloatInput::GREEN, out.mutable_clearcoat_roughness());
     if (coat["clearcoatNormalTexture"]) warnings_.add("clearcoatNormalTexture is not read");
   }
+  if (volume["thicknessTexture"]) {
+    warnings_.add("thicknessTexture is not read");
+  }
 }
 
 void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base, v1::Material& out) {
@@ -176,11 +175,19 @@ void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base, v1::Mat
   }
   if (name == "MASK") {
     out.set_alpha(v1::Material::ALPHA_MASK);
-    out.set_alpha_cutoff(share(in["alphaCutoff"], .5));
+    const double cutoff = in["alphaCutoff"].amount(.5);
+    out.set_alpha_cutoff(std::min(cutoff, 1.));
+    // No alpha reaches it: nothing is seen.
+    if (cutoff > 1) {
+      out.mutable_opacity()->set_value(0);
+      return;
+    }
   } else if (name == "BLEND") {
     out.set_alpha(v1::Material::ALPHA_BLEND);
   } else {
-    throw mode.error(fmt::format("'{}'", name), "OPAQUE, MASK or BLEND");
+    mode.repair(fmt::format("'{}'", name), "OPAQUE, MASK or BLEND", "OPAQUE is taken");
+    out.set_alpha(v1::Material::ALPHA_OPAQUE);
+    return;
   }
   if (const GltfValue factor = base["baseColorFactor"]; factor.size() == 4)
     out.mutable_opacity()->set_value(share(factor.at(3), 1));

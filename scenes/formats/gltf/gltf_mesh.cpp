@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "base/file.h"
 #include "scenes/mesh/mesh_data.h"
+#include "scenes/mesh/vertex_colors.h"
 
 namespace tessera {
 namespace {
@@ -46,12 +46,12 @@ struct GltfMeshes::Group {
 
 std::string GltfMeshes::Attributes::key() const {
   std::string key;
-  for (const GltfValue* value : {&position, &normal, &uv, &color}) {
+  for (const GltfValue* value : {&position, &normal, &uv, &color, &tangent}) {
     const auto index = value->whole();
     key += index ? fmt::format("{} ", *index) : "- ";
   }
   for (const auto& [target, weight] : targets)
-    for (const char* attribute : {"POSITION", "NORMAL"}) {
+    for (const char* attribute : {"POSITION", "NORMAL", "TANGENT"}) {
       const auto index = target[attribute].whole();
       key += index ? fmt::format("{} ", *index) : "- ";
     }
@@ -62,13 +62,19 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
                                                  std::optional<size_t> material,
                                                  const Weights& weights) {
   const GltfValue in = primitive["attributes"];
-  const std::string uv = fmt::format("TEXCOORD_{}", materials_.uv_set(material));
-  Attributes out{in["POSITION"], in["NORMAL"], in[uv.c_str()], in["COLOR_0"], {}};
+  const auto use = [&](const std::string& name) {
+    attributes_[name] = true;
+    return in[name.c_str()];
+  };
+  Attributes out{
+      use("POSITION"), use("NORMAL"),  use(fmt::format("TEXCOORD_{}", materials_.uv_set(material))),
+      use("COLOR_0"),  use("TANGENT"), {}};
+  for (const std::string& name : in.keys()) attributes_.try_emplace(name, false);
   const GltfValue targets = primitive["targets"];
   if (!weights.empty() && targets.size() != weights.size())
-    throw primitive.error(fmt::format("{} morph targets", targets.size()),
-                          fmt::format("{}, one a weight", weights.size()));
-  for (size_t i = 0; i < weights.size(); ++i)
+    primitive.repair(fmt::format("{} morph targets", targets.size()),
+                     fmt::format("{}, one a weight", weights.size()), "the others have no weight");
+  for (size_t i = 0; i < std::min(weights.size(), targets.size()); ++i)
     if (weights[i] != 0) out.targets.emplace_back(targets.at(i), weights[i]);
   return out;
 }
@@ -89,6 +95,11 @@ size_t GltfMeshes::weights(const GltfValue& node, size_t index) {
   return at->second;
 }
 
+void GltfMeshes::list_unused_attributes() {
+  for (const auto& [name, is_used] : attributes_)
+    if (!is_used) warnings_.add(fmt::format("attribute {} is not used", to_utf8(name)));
+}
+
 std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
   const GltfValue primitives = file_.element("meshes", index)["primitives"];
   std::vector<Group> groups;
@@ -96,7 +107,10 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
   for (size_t i = 0; i < primitives.size(); ++i) {
     const GltfValue primitive = primitives.at(i);
     const uint64_t mode = primitive["mode"].whole().value_or(kTriangles);
-    if (mode > kFan) throw primitive["mode"].error(fmt::format("{}", mode), "0 to 6");
+    if (mode > kFan) {
+      primitive["mode"].repair(fmt::format("{}", mode), "0 to 6", "the primitive is left out");
+      continue;
+    }
     if (mode < kTriangles) {
       warnings_.add("points and lines have no surface and are left out");
       continue;
@@ -112,8 +126,10 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
     add(primitive, material, groups[at->second]);
   }
   std::vector<v1::Shape> shapes;
-  for (Group& group : groups)
-    if (!group.triangles.empty()) shapes.push_back(finish(group));
+  for (Group& group : groups) {
+    if (group.triangles.empty()) continue;
+    if (auto shape = finish(group)) shapes.push_back(std::move(*shape));
+  }
   return shapes;
 }
 
@@ -150,53 +166,75 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
                     });
 }
 
-std::vector<float> GltfMeshes::rows(const GltfAccessor& from, size_t width, const Group& group) {
-  if (from.count() != group.vertex_count)
-    throw from.place().error(fmt::format("{} rows", from.count()),
-                             fmt::format("{}, one a vertex", group.vertex_count));
+std::vector<float> GltfMeshes::rows(const GltfValue& reference, size_t width, const Group& group) {
+  if (!reference) return {};
+  const GltfAccessor from(file_, reference);
+  if (from.count() != group.vertex_count) {
+    from.place().repair(fmt::format("{} rows", from.count()),
+                        fmt::format("{}, one a vertex", group.vertex_count), "they are left out");
+    return {};
+  }
   file_.spend(uint64_t{group.last - group.first} * width, from.place());
   return from.floats(group.first, group.last, width);
 }
 
+std::vector<float> GltfMeshes::finite_rows(const GltfValue& reference, size_t width, float instead,
+                                           const Group& group) {
+  std::vector<float> out = rows(reference, width, group);
+  if (replace_endless(out, width, instead) > 0)
+    reference.repair("numbers that are not finite", "finite numbers",
+                     fmt::format("{} is taken", instead));
+  return out;
+}
+
 /// Of a target without the attribute nothing is added.
-void GltfMeshes::add_targets(const char* attribute, const Group& group, std::vector<float>& to) {
+void GltfMeshes::add_targets(const char* attribute, const Group& group, std::vector<float>& to,
+                             size_t width) {
   for (const auto& [target, weight] : group.attributes.targets) {
     const GltfValue reference = target[attribute];
     if (!reference) continue;
     const GltfAccessor from(file_, reference);
     if (from.components() != 3) throw reference.error("offsets that are no VEC3", "VEC3");
-    const std::vector<float> offsets = rows(from, 3, group);
-    for (size_t i = 0; i < to.size(); ++i) {
-      const double sum = to[i] + weight * double{offsets[i]};
-      if (!(std::abs(sum) <= std::numeric_limits<float>::max()))
-        throw target.error(
-            fmt::format("{} beyond single precision with weight {}", attribute, weight), "less");
-      to[i] = static_cast<float>(sum);
+    const std::vector<float> offsets = rows(reference, 3, group);
+    for (size_t i = 0; i < offsets.size(); ++i) {
+      float& moved = to[i / 3 * width + i % 3];
+      moved = static_cast<float>(moved + weight * double{offsets[i]});
     }
   }
 }
 
-v1::Shape GltfMeshes::finish(Group& group) {
+std::optional<v1::Shape> GltfMeshes::finish(Group& group) {
   const auto [least, most] = std::minmax_element(group.triangles.begin(), group.triangles.end());
   group.first = *least;
   group.last = *most + 1;
   MeshData mesh;
   const Attributes& from = group.attributes;
-  mesh.positions = rows(GltfAccessor(file_, from.position), 3, group);
+  mesh.positions = rows(from.position, 3, group);
   add_targets("POSITION", group, mesh.positions);
-  if (from.normal) {
-    mesh.normals = rows(GltfAccessor(file_, from.normal), 3, group);
+  mesh.normals = finite_rows(from.normal, 3, 0, group);
+  if (!mesh.normals.empty()) {
     add_targets("NORMAL", group, mesh.normals);
+    replace_endless(mesh.normals, 3, 0);
   }
-  if (from.uv) {
-    mesh.uvs = rows(GltfAccessor(file_, from.uv), 2, group);
-    for (size_t i = 1; i < mesh.uvs.size(); i += 2) mesh.uvs[i] = 1 - mesh.uvs[i];
+  mesh.uvs = finite_rows(from.uv, 2, 0, group);
+  for (size_t i = 1; i < mesh.uvs.size(); i += 2) mesh.uvs[i] = 1 - mesh.uvs[i];
+  mesh.colors = finite_rows(from.color, 4, 1, group);
+  for (size_t i = 0; i < mesh.colors.size(); ++i)
+    if (i % 4 != 3) mesh.colors[i] = vertex_light(mesh.colors[i], VertexColorSource::gltf);
+  // Without normals a tangent says nothing (3.7.2.1).
+  if (!mesh.normals.empty()) mesh.tangents = finite_rows(from.tangent, 4, 0, group);
+  if (!mesh.tangents.empty()) {
+    add_targets("TANGENT", group, mesh.tangents, 4);
+    replace_endless(mesh.tangents, 4, 0);
   }
-  if (from.color) mesh.colors = rows(GltfAccessor(file_, from.color), 4, group);
   if (group.first > 0)
     for (uint32_t& index : group.triangles) index -= group.first;
   mesh.triangles = std::move(group.triangles);
   if (group.materials.size() > 1) mesh.face_materials = std::move(group.face_materials);
+  if (drop_unplaced(mesh) > 0)
+    from.position.repair("numbers that are not finite in single precision", "finite numbers",
+                         "the triangles there are left out");
+  if (mesh.triangles.empty()) return std::nullopt;
   v1::Shape shape;
   for (const std::string& material : group.materials) shape.add_materials(material);
   *shape.mutable_mesh() = store_mesh(std::move(mesh), out_.blobs);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,8 @@ class GltfMeshes {
   /// A number for those of a node that shows mesh `index`, else the mesh's own: the same for equal
   /// ones. The mesh's are read once, however many nodes show it.
   size_t weights(const GltfValue& node, size_t index);
+  /// Warns of the attributes that no primitive so far was read with.
+  void list_unused_attributes();
   /// The shapes of mesh `index` by the weights of that number, with their data among the scene's
   /// blobs.
   std::vector<v1::Shape> read(size_t index, size_t weights);
@@ -31,7 +34,7 @@ class GltfMeshes {
   /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
   /// none.
   struct Attributes {
-    GltfValue position, normal, uv, color;
+    GltfValue position, normal, uv, color, tangent;
     std::vector<std::pair<GltfValue, double>> targets;  ///< with their weights
     std::string key() const;                            ///< equal for equal accessors
   };
@@ -41,15 +44,23 @@ class GltfMeshes {
   Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material,
                            const Weights& weights);
   void add(const GltfValue& primitive, std::optional<size_t> material, Group& group);
-  v1::Shape finish(Group& group);
-  std::vector<float> rows(const GltfAccessor& from, size_t width, const Group& group);
-  void add_targets(const char* attribute, const Group& group, std::vector<float>& to);
+  /// Nothing where no triangle is left.
+  std::optional<v1::Shape> finish(Group& group);
+  /// Of an attribute; empty where there is none, or not one row for each vertex.
+  std::vector<float> rows(const GltfValue& reference, size_t width, const Group& group);
+  /// The same with `instead` for rows that are not finite.
+  std::vector<float> finite_rows(const GltfValue& reference, size_t width, float instead,
+                                 const Group& group);
+  /// The first three of each `width` numbers are what the targets move.
+  void add_targets(const char* attribute, const Group& group, std::vector<float>& to,
+                   size_t width = 3);
 
   GltfFile& file_;
   GltfMaterials& materials_;
   LoadedScene& out_;
   Warnings& warnings_;
-  std::map<Weights, size_t> weights_;  ///< their numbers
+  std::map<std::string, bool> attributes_;  ///< whether it was ever used
+  std::map<Weights, size_t> weights_;       ///< their numbers
   std::vector<const Weights*> by_number_;
   std::map<size_t, size_t> own_weights_;  ///< numbers by mesh
 };

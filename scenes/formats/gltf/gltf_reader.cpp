@@ -46,8 +46,10 @@ void put(const Vec3& from, v1::Vec3* to) {
 Affine rotation_of(const GltfValue& value, const std::vector<double>& q) {
   const double x = q[0], y = q[1], z = q[2], w = q[3];
   const double squared = x * x + y * y + z * z + w * w;
-  if (!(squared > 1e-12 && squared < 1e12))
-    throw value.error("a quaternion of no length", "a unit one");
+  if (!(squared > 1e-12 && squared < 1e12)) {
+    value.repair("a quaternion of no length", "a unit one", "the node is not turned");
+    return {};
+  }
   const double s = 2 / squared;
   Affine r;
   r.m[0] = {1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0};
@@ -56,16 +58,29 @@ Affine rotation_of(const GltfValue& value, const std::vector<double>& q) {
   return r;
 }
 
-Affine transform_of(const GltfValue& node) {
+/// A matrix whose last row is 0 0 0 1 but for what rounding makes of products of single precision;
+/// nothing for others.
+std::optional<Affine> affine_of(const std::vector<double>& columns) {
+  constexpr double kRounding = 1e-5;
+  Affine out;
+  double largest = 1;  // of the 3x3 part
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (i % 4 == 3) continue;
+    out.m[i % 4][i / 4] = columns[i];
+    if (i < 12) largest = std::max(largest, std::abs(columns[i]));
+  }
+  for (size_t i = 3; i < columns.size(); i += 4)
+    if (!(std::abs(columns[i] - (i == 15 ? 1 : 0)) <= kRounding * largest)) return std::nullopt;
+  return out;
+}
+
+/// Nothing where no transform is given that can be shown.
+std::optional<Affine> transform_of(const GltfValue& node) {
   if (const auto columns = node["matrix"].numbers(16)) {
-    Affine out;
-    for (size_t i = 0; i < 16; ++i) {
-      const size_t row = i % 4;
-      if (row < 3)
-        out.m[row][i / 4] = (*columns)[i];
-      else if ((*columns)[i] != (i == 15 ? 1 : 0))
-        throw node["matrix"].error("a last row other than 0 0 0 1", "an affine matrix");
-    }
+    const auto out = affine_of(*columns);
+    if (!out)
+      node["matrix"].repair("a last row other than 0 0 0 1", "an affine matrix",
+                            "the node and what is below it are left out");
     return out;
   }
   const auto vec = [&](const char* key, double without) {
@@ -81,6 +96,7 @@ class GltfReader {
  public:
   GltfReader(GltfFile& file, PictureCheck check)
       : file_(file),
+        warnings_(file.warnings()),
         materials_(file, std::move(check), out_, warnings_),
         meshes_(file, materials_, out_, warnings_) {}
 
@@ -94,6 +110,7 @@ class GltfReader {
       *out_.scene.add_textures() = texture;
     if (const size_t count = file_.root()["animations"].size())
       warnings_.add("animations are not read", count);
+    meshes_.list_unused_attributes();
     list_unused("meshes", "mesh", [&](size_t i) {
       const auto at = uses_.lower_bound({i, 0});
       return at != uses_.end() && at->first.first == i;
@@ -106,12 +123,13 @@ class GltfReader {
   }
 
  private:
+  /// A mesh that is shown with the same weights is one.
+  using MeshUse = std::pair<size_t, size_t>;
   struct Place {
     size_t node;
     Affine world;
+    std::optional<MeshUse> mesh{};
   };
-  /// A mesh that is shown with the same weights is one.
-  using MeshUse = std::pair<size_t, size_t>;
 
   std::optional<MeshUse> mesh_of(const GltfValue& node) {
     const auto mesh = node["mesh"].index(file_.root()["meshes"].size(), "mesh");
@@ -150,10 +168,8 @@ class GltfReader {
       if (const std::string name = required.at(i).text(""); !is_read(name))
         throw required.at(i).error(fmt::format("the file requires extension '{}'", name),
                                    fmt::format("one that is read{}", suggestion(name, known)));
-    const GltfValue used = file_.root()["extensionsUsed"];
-    for (size_t i = 0; i < used.size(); ++i)
-      if (const std::string name = used.at(i).text(""); !is_read(name))
-        warnings_.add(fmt::format("extension '{}' is not read", name));
+    for (const std::string& name : file_.extension_names())
+      if (!is_read(name)) warnings_.add(fmt::format("extension '{}' is not read", name));
   }
 
   /// Those of what is not shown too.
@@ -169,7 +185,7 @@ class GltfReader {
   std::vector<size_t> children(const GltfValue& list) {
     std::vector<size_t> nodes;
     for (size_t i = 0; i < list.size(); ++i)
-      nodes.push_back(*list.at(i).index(node_count(), "node"));
+      if (const auto index = list.at(i).index(node_count(), "node")) nodes.push_back(*index);
     return nodes;
   }
 
@@ -204,12 +220,16 @@ class GltfReader {
       const GltfValue in = file_.element("nodes", place.node);
       if (seen_[place.node]) throw in.error("a node with two parents, or below itself", "a tree");
       seen_[place.node] = true;
-      place.world = place.world * transform_of(in);
-      for (const auto& row : place.world.m)
-        for (const double value : row)
-          if (!std::isfinite(value))
-            throw in.error("a transform beyond all numbers", "a smaller one");
-      if (const auto mesh = mesh_of(in)) ++uses_[*mesh];
+      const auto own = transform_of(in);
+      if (!own) continue;
+      place.world = place.world * *own;
+      if (!is_finite(place.world)) {
+        in.repair("a transform beyond all numbers", "a smaller one",
+                  "the node and what is below it are left out");
+        continue;
+      }
+      place.mesh = mesh_of(in);
+      if (place.mesh) ++uses_[*place.mesh];
       push(children(in["children"]), place.world);
       places_.push_back(place);
     }
@@ -218,13 +238,14 @@ class GltfReader {
   void node(const Place& place) {
     const GltfValue in = file_.element("nodes", place.node);
     const std::string name = in["name"].text("");
-    if (const auto mesh = mesh_of(in)) show(*mesh, name, place.world);
-    if (in["mesh"] && in["skin"]) warnings_.add("meshes with a skin are shown unbent");
-    if (in["camera"]) camera(in["camera"], name, place.world);
+    if (place.mesh) show(*place.mesh, name, place.world);
+    if (place.mesh && in["skin"]) warnings_.add("meshes with a skin are shown unbent");
+    if (const auto index = in["camera"].index(file_.root()["cameras"].size(), "camera"))
+      camera(*index, in, place.world);
     const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
-    if (!light_index) return;
     const GltfValue lights = file_.root()["extensions"]["KHR_lights_punctual"]["lights"];
-    light(lights.at(*light_index.index(lights.size(), "light")), name, place.world);
+    if (const auto index = light_index.index(lights.size(), "light"))
+      light(lights.at(*index), name, place.world);
   }
 
   void show(const MeshUse& use, const std::string& name, const Affine& world) {
@@ -256,82 +277,100 @@ class GltfReader {
     }
   }
 
-  void camera(const GltfValue& reference, const std::string& node_name, const Affine& world) {
-    const auto index = reference.index(file_.root()["cameras"].size(), "camera");
-    const GltfValue in = file_.element("cameras", *index);
-    const std::string own = in["name"].text("");
-    v1::Camera& out = *out_.scene.add_cameras();
-    out.set_name(unique_camera_(!own.empty()         ? own
-                                : !node_name.empty() ? node_name
-                                                     : fmt::format("camera {}", *index)));
-    put(world, out.mutable_world_from_camera());
+  /// The projection of a camera; false where it shows nothing.
+  static bool project(const GltfValue& in, v1::Camera& out) {
+    constexpr const char* kLeftOut = "the camera is left out";
     const std::string type = in["type"].text("");
     if (type == "orthographic") {
       const GltfValue values = in["orthographic"];
-      const double x = positive(values["xmag"]), y = positive(values["ymag"]);
+      // A negative one would mirror the picture, which glTF advises against.
+      const double x = std::abs(values["xmag"].number(0)), y = std::abs(values["ymag"].number(0));
       v1::Orthographic& window = *out.mutable_orthographic();
       window.set_min_x(-x);
       window.set_max_x(x);
       window.set_min_y(-y);
       window.set_max_y(y);
+      if (x > 0 && y > 0) return true;
+      values.repair(fmt::format("xmag {}, ymag {}", x, y), "numbers other than 0", kLeftOut);
     } else if (type == "perspective") {
       const GltfValue angle = in["perspective"]["yfov"];
-      const double degrees = portable::degrees(positive(angle));
-      if (degrees >= 180) throw angle.error(fmt::format("{} degrees", degrees), "less than 180");
+      const double degrees = portable::degrees(std::abs(angle.number(0)));
       out.mutable_perspective()->set_field_of_view(degrees);
       out.mutable_perspective()->set_axis(v1::Perspective::VERTICAL);
+      if (degrees > 0 && degrees < 180) return true;
+      angle.repair(fmt::format("{} degrees", degrees), "more than 0 and less than 180", kLeftOut);
     } else {
-      throw in["type"].error(fmt::format("'{}'", type), "perspective or orthographic");
+      in["type"].repair(fmt::format("'{}'", type), "perspective or orthographic", kLeftOut);
     }
+    return false;
   }
 
-  static double positive(const GltfValue& value) {
-    const double number = value.number(0);
-    if (!(std::abs(number) > 0)) throw value.error("0", "a number above 0");
-    return std::abs(number);
+  void camera(size_t index, const GltfValue& node, const Affine& world) {
+    const GltfValue in = file_.element("cameras", index);
+    v1::Camera out;
+    if (!project(in, out)) return;
+    if (!is_invertible(world)) {
+      node.repair("a camera in a flat frame", "a frame that can be inverted",
+                  "the camera is left out");
+      return;
+    }
+    const std::string own = in["name"].text(""), node_name = node["name"].text("");
+    out.set_name(unique_camera_(!own.empty()         ? own
+                                : !node_name.empty() ? node_name
+                                                     : fmt::format("camera {}", index)));
+    put(world, out.mutable_world_from_camera());
+    *out_.scene.add_cameras() = std::move(out);
+  }
+
+  /// Both angles may be the same, for a hard edge, as some programs write it. False where the light
+  /// shines nowhere.
+  static bool aim(const GltfValue& in, v1::Light::Spot& out) {
+    constexpr double kWidest = portable::kPi / 2;
+    const double outer = in["outerConeAngle"].number_within(portable::kPi / 4, 0, kWidest);
+    const double inner = in["innerConeAngle"].number_within(0, 0, outer);
+    out.set_beam_width(portable::degrees(inner));
+    out.set_cut_off(portable::degrees(outer));
+    if (outer > 0) return true;
+    in.repair("a cone of no width", "an outerConeAngle above 0", "the light is left out");
+    return false;
   }
 
   /// Candela and lux against the radiance of what is lit: a white Lambert surface sends out its
   /// irradiance over pi, while ours faces a light of intensity 1 and sends out 1.
   void light(const GltfValue& in, const std::string& node_name, const Affine& world) {
-    v1::Node& node = *out_.scene.add_nodes();
-    v1::Light& out = *node.mutable_light();
-    out.set_name(unique_light_(in["name"].text(node_name.empty() ? "light" : node_name)));
-    node.set_name(node_name);
-    if (const auto rgb = in["color"].numbers(3)) {
-      out.mutable_color()->set_r((*rgb)[0]);
-      out.mutable_color()->set_g((*rgb)[1]);
-      out.mutable_color()->set_b((*rgb)[2]);
+    v1::Light out;
+    if (in["color"].numbers(3)) {
+      out.mutable_color()->set_r(in["color"].at(0).amount(0));
+      out.mutable_color()->set_g(in["color"].at(1).amount(0));
+      out.mutable_color()->set_b(in["color"].at(2).amount(0));
     }
-    const double intensity = in["intensity"].number(1);
-    if (intensity < 0) throw in["intensity"].error(fmt::format("{}", intensity), "0 or more");
-    out.set_intensity(intensity / portable::kPi);
+    out.set_intensity(in["intensity"].amount(1) / portable::kPi);
     Vec3 direction = world(Vec3{0, 0, -1});
     if (!(length_squared(direction) > 0)) direction = {0, 0, -1};
     const Vec3 position = world(Point3{}) - Point3{};
     const std::string type = in["type"].text("");
     if (type == "directional") {
       put(normalize(direction), out.mutable_directional()->mutable_direction());
-      return;
-    }
-    out.mutable_attenuation()->set_quadratic(1);
-    if (const GltfValue range = in["range"]) out.set_radius(positive(range));
-    if (type == "point") {
+    } else if (type == "point") {
       put(position, out.mutable_point()->mutable_position());
     } else if (type == "spot") {
       v1::Light::Spot& spot = *out.mutable_spot();
       put(position, spot.mutable_position());
       put(normalize(direction), spot.mutable_direction());
-      const GltfValue inner = in["spot"]["innerConeAngle"], outer = in["spot"]["outerConeAngle"];
-      const double from = inner.number(0), to = outer.number(portable::kPi / 4);
-      if (!(from >= 0 && from < to && to <= portable::kPi / 2 + 1e-6))
-        throw in["spot"].error(fmt::format("angles {} and {}", from, to),
-                               "0 <= innerConeAngle < outerConeAngle <= pi / 2");
-      spot.set_beam_width(portable::degrees(from));
-      spot.set_cut_off(portable::degrees(to));
+      if (!aim(in["spot"], spot)) return;
     } else {
-      throw in["type"].error(fmt::format("'{}'", type), "directional, point or spot");
+      in["type"].repair(fmt::format("'{}'", type), "directional, point or spot",
+                        "the light is left out");
+      return;
     }
+    if (type != "directional") {
+      out.mutable_attenuation()->set_quadratic(1);
+      if (const double range = in["range"].amount(0); range > 0) out.set_radius(range);
+    }
+    out.set_name(unique_light_(in["name"].text(node_name.empty() ? "light" : node_name)));
+    v1::Node& node = *out_.scene.add_nodes();
+    node.set_name(node_name);
+    *node.mutable_light() = std::move(out);
   }
 
   struct Shown {
@@ -341,7 +380,7 @@ class GltfReader {
 
   GltfFile& file_;
   LoadedScene out_;
-  Warnings warnings_;
+  Warnings& warnings_;
   GltfMaterials materials_;
   GltfMeshes meshes_;
   UniqueNames unique_object_, unique_camera_, unique_light_;

@@ -6,6 +6,7 @@
 
 #include "renderer/math/elementary.h"
 #include "scenes/formats/gltf/gltf_material.h"
+#include "scenes/import/data_uri.h"
 
 namespace tessera {
 namespace {
@@ -16,7 +17,9 @@ v1::Texture::Image::Wrap wrap_of(const GltfValue& mode) {
   if (number == kClamp) return v1::Texture::Image::CLAMP;
   if (number == kMirror) return v1::Texture::Image::MIRROR;
   if (number == kRepeat) return v1::Texture::Image::REPEAT;
-  throw mode.error(fmt::format("{}", number), "33071 (clamp), 33648 (mirror) or 10497 (repeat)");
+  mode.repair(fmt::format("{}", number), "33071 (clamp), 33648 (mirror) or 10497 (repeat)",
+              "10497 is taken");
+  return v1::Texture::Image::REPEAT;
 }
 
 }  // namespace
@@ -38,8 +41,7 @@ void GltfTextures::place(const GltfValue& transform, v1::Texture& texture) {
   if (!transform) return;
   const auto offset = transform["offset"].numbers(2).value_or(std::vector<double>{0, 0});
   const auto scale = transform["scale"].numbers(2).value_or(std::vector<double>{1, 1});
-  const double angle = transform["rotation"].number(0);
-  if (!(std::abs(angle) <= 1e6)) throw transform["rotation"].error("an angle", "a smaller one");
+  const double angle = std::fmod(transform["rotation"].number(0), 2 * portable::kPi);
   const double c = portable::cos(angle), s = portable::sin(angle);
   const double a = c * scale[0], b = s * scale[1], d = -s * scale[0], e = c * scale[1];
   v1::Matrix& matrix = *texture.mutable_transform()->add_steps()->mutable_matrix();
@@ -54,10 +56,19 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
   const GltfValue uri = image["uri"];
   std::optional<std::string> bytes;
   if (uri) {
-    bytes = GltfFile::data_of_uri(uri);
+    if (auto data = read_data_uri(uri.text(""))) {
+      if (!data->problem.empty()) {
+        uri.repair(data->problem, data->expected, "the picture is left out");
+        return "";
+      }
+      bytes = std::move(data->bytes);
+    }
   } else {
     const auto view = image["bufferView"].index(file_.root()["bufferViews"].size(), "buffer view");
-    if (!view) throw image.error("no picture", "a uri or a bufferView");
+    if (!view) {
+      image.repair("no picture", "a uri or a bufferView", "it is left out");
+      return "";
+    }
     bytes = file_.view(*view).bytes;
     file_.spend(bytes->size(), image);
   }
@@ -92,7 +103,10 @@ std::optional<size_t> GltfTextures::readable_image(const GltfValue& texture) {
 std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encoding encoding) {
   if (!info) return "";
   const auto index = info["index"].index(file_.root()["textures"].size(), "texture");
-  if (!index) throw info.error("no texture", "its index");
+  if (!index) {
+    info.repair("no texture", "its index", "it is left out");
+    return "";
+  }
   used_.insert(*index);
   const GltfValue in = file_.element("textures", *index);
   const auto source = readable_image(in);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -75,6 +77,9 @@ class JsonScanner {
   size_t at_ = 0;
 };
 
+/// How far single precision may move a number, of 1 or its own size.
+constexpr double kSinglePrecision = 1e-6;
+
 std::string type_name(const nlohmann::json& json) {
   return fmt::format("a value of type {}", json.type_name());
 }
@@ -99,12 +104,14 @@ GltfValue GltfValue::operator[](const char* key) const {
   if (!json_) return {nullptr, text_, path_};
   if (!json_->is_object()) throw wrong_type("an object");
   const auto found = json_->find(key);
+  const bool is_there = found != json_->end() && !found->is_null();
   std::string path = path_.empty() ? key : fmt::format("{}/{}", path_, key);
-  return {found == json_->end() ? nullptr : &*found, text_, std::move(path)};
+  return {is_there ? &*found : nullptr, text_, std::move(path)};
 }
 
 GltfValue GltfValue::at(size_t index) const {
-  return {&(*json_)[index], text_, fmt::format("{}/{}", path_, index)};
+  const nlohmann::json& element = (*json_)[index];
+  return {element.is_null() ? nullptr : &element, text_, fmt::format("{}/{}", path_, index)};
 }
 
 size_t GltfValue::size() const {
@@ -123,21 +130,39 @@ std::vector<std::string> GltfValue::keys() const {
 
 double GltfValue::number(double without) const {
   if (!json_) return without;
-  if (!json_->is_number()) throw wrong_type("a number");
-  const double value = json_->get<double>();
-  if (!std::isfinite(value)) throw error("an endless number", "a finite one");
-  return value;
+  if (json_->is_number()) return json_->get<double>();
+  leave_out("a number");
+  return without;
+}
+
+double GltfValue::number_within(double without, double least, double most) const {
+  const double value = number(without);
+  if (value >= least && value <= most) return value;
+  const double nearest = value < least ? least : most;
+  // Exporters count in single precision.
+  if (std::abs(value - nearest) > kSinglePrecision * std::max(1.0, std::abs(nearest)))
+    repair(
+        fmt::format("{}", value),
+        std::isinf(most) ? fmt::format("{} or more", least) : fmt::format("{} to {}", least, most),
+        fmt::format("{} is taken", nearest));
+  return nearest;
+}
+
+double GltfValue::amount(double without) const {
+  return number_within(without, 0, std::numeric_limits<double>::infinity());
 }
 
 std::optional<uint64_t> GltfValue::whole() const {
   if (!json_) return std::nullopt;
   if (json_->is_number_unsigned()) return json_->get<uint64_t>();
+  if (!json_->is_number()) throw wrong_type("a whole number");
   // Some programs write whole numbers as 3.0.
   constexpr double kLargest = 9007199254740992;
-  const double value = number(0);
-  if (!(value >= 0 && value <= kLargest) || value != std::floor(value))
+  const double value = json_->get<double>();
+  if (!(value >= 0 && value <= kLargest) ||
+      std::abs(value - std::round(value)) > kSinglePrecision * std::max(1.0, value))
     throw error(fmt::format("{}", value), "a whole number");
-  return static_cast<uint64_t>(value);
+  return static_cast<uint64_t>(std::round(value));
 }
 
 uint64_t GltfValue::required_whole() const {
@@ -147,6 +172,10 @@ uint64_t GltfValue::required_whole() const {
 }
 
 std::optional<size_t> GltfValue::index(size_t count, const char* what) const {
+  if (json_ && json_->is_number() && json_->get<double>() == -1) {
+    repair("-1", fmt::format("a {}, or no value", what), "it is left out");
+    return std::nullopt;
+  }
   const auto value = whole();
   if (value && *value >= count)
     throw error(fmt::format("{} {}", what, *value), count == 0
@@ -157,19 +186,24 @@ std::optional<size_t> GltfValue::index(size_t count, const char* what) const {
 
 std::string GltfValue::text(const std::string& without) const {
   if (!json_) return without;
-  if (!json_->is_string()) throw wrong_type("text");
-  return json_->get_ref<const std::string&>();
+  if (json_->is_string()) return json_->get_ref<const std::string&>();
+  leave_out("text");
+  return without;
 }
 
 bool GltfValue::flag(bool without) const {
   if (!json_) return without;
-  if (!json_->is_boolean()) throw wrong_type("true or false");
-  return json_->get<bool>();
+  if (json_->is_boolean()) return json_->get<bool>();
+  leave_out("true or false");
+  return without;
 }
 
 std::optional<std::vector<double>> GltfValue::numbers(size_t count) const {
   if (!json_) return std::nullopt;
-  if (size() != count) throw error(fmt::format("{} numbers", size()), fmt::format("{}", count));
+  if (size() != count)
+    repair(fmt::format("{} numbers", size()), fmt::format("{}", count),
+           size() < count ? "they are left out" : "the first ones are taken");
+  if (size() < count) return std::nullopt;
   std::vector<double> values;
   for (size_t i = 0; i < count; ++i) values.push_back(at(i).number(0));
   return values;
@@ -177,6 +211,10 @@ std::optional<std::vector<double>> GltfValue::numbers(size_t count) const {
 
 Error GltfValue::wrong_type(std::string_view expected) const {
   return error(type_name(*json_), expected);
+}
+
+void GltfValue::leave_out(std::string_view expected) const {
+  repair(type_name(*json_), expected, "it is left out");
 }
 
 SourcePlace GltfValue::place() const {
@@ -192,6 +230,12 @@ SourcePlace GltfValue::place() const {
 Error GltfValue::error(std::string_view found, std::string_view expected) const {
   return scene_error(
       place(), path_.empty() ? std::string(found) : fmt::format("{}: {}", path_, found), expected);
+}
+
+void GltfValue::repair(std::string_view found, std::string_view expected,
+                       std::string_view taken) const {
+  text_->warnings.repair(
+      found, expected, taken, [&] { return place(); }, path_);
 }
 
 }  // namespace tessera

@@ -8,20 +8,24 @@
 #include <vector>
 
 #include "base/error.h"
+#include "scenes/import/warnings.h"
 
 namespace tessera {
 
-/// The JSON text of a glTF file, so that errors can name a place in it.
+/// The JSON text of a glTF file, so that errors can name a place in it, and what there is to say of
+/// the file.
 struct GltfText {
   std::string name;         ///< of the file
   std::string_view text{};  ///< empty in a .glb, whose JSON is no text with lines
+  Warnings warnings{};
 };
 
-/// A value of a glTF file's JSON, or of none where a member is absent. It knows where it stands:
-/// what is of the wrong type, or out of range, is a located error. Refers to the document.
+/// A value of a glTF file's JSON, or of none where a member is absent or null. It knows where it
+/// stands. What cannot be read without is a located error; another value that breaks a rule, as
+/// one of the wrong type, is repaired, which is a located warning. Refers to the document.
 class GltfValue {
  public:
-  GltfValue(const nlohmann::json* json, const GltfText* text, std::string path)
+  GltfValue(const nlohmann::json* json, GltfText* text, std::string path)
       : json_(json), text_(text), path_(std::move(path)) {}
 
   explicit operator bool() const { return json_ != nullptr; }
@@ -32,25 +36,33 @@ class GltfValue {
   std::vector<std::string> keys() const;
 
   double number(double without) const;
+  /// The number in [least, most], to which one outside is taken: in silence what rounding may have
+  /// moved.
+  double number_within(double without, double least, double most) const;
+  /// At least 0.
+  double amount(double without) const;
   std::optional<uint64_t> whole() const;
   uint64_t required_whole() const;
-  /// An index below `count` of `what`.
+  /// An index below `count` of `what`; nothing for -1, which some programs write for none.
   std::optional<size_t> index(size_t count, const char* what) const;
   std::string text(const std::string& without) const;
   bool flag(bool without) const;
-  /// Exactly `count` finite numbers; nothing where there is no value.
+  /// Exactly `count` finite numbers, the first ones of more; nothing where there are fewer.
   std::optional<std::vector<double>> numbers(size_t count) const;
 
   const std::string& path() const { return path_; }
   /// An absent value has the place of the nearest one that is there.
   SourcePlace place() const;
   Error error(std::string_view found, std::string_view expected) const;
+  /// Warns that the value is `found` where `expected` is the rule, and what is `taken` for it.
+  void repair(std::string_view found, std::string_view expected, std::string_view taken) const;
 
  private:
   Error wrong_type(std::string_view expected) const;
+  void leave_out(std::string_view expected) const;
 
   const nlohmann::json* json_;
-  const GltfText* text_;
+  GltfText* text_;
   std::string path_;  ///< "meshes/0/name"
 };
 

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "base/file.h"
@@ -134,6 +135,18 @@ std::string LineReader::rest() {
 }
 
 float LineReader::number(const char* what) {
+  const float value = any_number(what);
+  if (!std::isfinite(value)) throw error(quoted_word(), bounded(what, value));
+  return value;
+}
+
+std::string LineReader::bounded(const char* what, float value) {
+  return fmt::format("{} that {}", what,
+                     std::isnan(value) ? "is finite" : "single precision can hold");
+}
+
+float LineReader::any_number(const char* what) {
+  constexpr float kEndless = std::numeric_limits<float>::infinity();
   skip_space();
   word_ = at_;
   float value = 0;
@@ -144,10 +157,8 @@ float LineReader::number(const char* what) {
   }
   at_ = stop;
   if (!at_word_end()) throw error(quoted_word(), what);
-  if (problem == std::errc::result_out_of_range)
-    throw error(quoted_word(), fmt::format("{} that single precision can hold", what));
-  if (!std::isfinite(value)) throw error(quoted_word(), fmt::format("{} that is finite", what));
-  return value;
+  if (problem == std::errc::result_out_of_range) return kEndless;
+  return std::isfinite(value) ? value : std::numeric_limits<float>::quiet_NaN();
 }
 
 std::optional<float> LineReader::optional_number(const char* what) {

@@ -34,8 +34,17 @@ class LineReader {
 
   /// A finite number that single precision can hold.
   float number(const char* what);
+  /// The same for any number: NaN for what is no finite one, infinite beyond single precision.
+  float any_number(const char* what);
+  /// What a number is that any_number() returned and number() refuses: "a coordinate that is
+  /// finite".
+  static std::string bounded(const char* what, float value);
   /// The next word if there is one.
   std::optional<float> optional_number(const char* what);
+  std::optional<float> optional_any_number(const char* what) {
+    if (at_line_end() || *at_ == '#') return std::nullopt;
+    return any_number(what);
+  }
   /// Reads an integer that may be negative; leaves the place after its last digit. One of more than
   /// 12 digits is kTooLarge, or its negative.
   int64_t index();

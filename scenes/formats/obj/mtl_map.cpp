@@ -83,7 +83,7 @@ class MapLine {
   bool range() {
     const double base = number();
     map_.gain = number();
-    if (base != 0 || map_.gain < 0) ignore("-mm with a base"), map_.gain = 1;
+    if (std::abs(base) > kMtlRounding || map_.gain < 0) ignore("-mm with a base"), map_.gain = 1;
     return true;
   }
 

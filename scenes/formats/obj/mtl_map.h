@@ -10,6 +10,9 @@
 
 namespace tessera {
 
+/// What printing and reading again may make of 0 and 1; less than anyone sees.
+inline constexpr double kMtlRounding = 1e-5;
+
 /// What a map statement of an MTL file says: options, then the name of a picture.
 struct MtlMap {
   std::string file;  ///< as written, in UTF-8, with forward slashes

@@ -12,7 +12,9 @@ using Rgb = MtlEntry::Rgb;
 using Encoding = v1::Texture::Image::Encoding;
 constexpr Rgb kWhiteRgb{1, 1, 1};
 
-bool is_black(const Rgb& c) { return c[0] == 0 && c[1] == 0 && c[2] == 0; }
+bool is_black(const Rgb& c) {
+  return c[0] <= kMtlRounding && c[1] <= kMtlRounding && c[2] <= kMtlRounding;
+}
 
 /// The illumination models that are named by number: what each switches on.
 struct Model {
@@ -79,9 +81,10 @@ class Converter {
       share = 1 - *dissolve;
     else if (const auto opposite = number("Tr"))
       share = *opposite;
-    if (share == 0 && model_.glass && entry_.filter)
+    if (share <= kMtlRounding && model_.glass && entry_.filter)
       share = ((*entry_.filter)[0] + (*entry_.filter)[1] + (*entry_.filter)[2]) / 3;
-    return std::clamp(share, 0.0, 1.0);
+    if (share <= kMtlRounding) return 0;
+    return share >= 1 - kMtlRounding ? 1 : share;
   }
 
   bool is_physical() const {
@@ -187,7 +190,7 @@ class Converter {
     const Rgb emission = beneath("map_ke", entry_.emission, {});
     if (!is_black(emission)) color(emission, "map_ke", out.mutable_emission());
     const auto index = number("Ni");
-    if (index && *index > 1) out.set_refractive_index(*index);
+    if (index && *index > 1 + kMtlRounding) out.set_refractive_index(*index);
     if (transparency_ == 0) return;
     if (model_.refracts)
       out.mutable_transmission()->set_value(transparency_);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "base/file.h"
@@ -46,15 +47,24 @@ class MtlReader {
     while (in_.next_line()) {
       const std::string keyword(in_.word());
       if (keyword.empty() || keyword.front() == '#') continue;
-      if (keyword == "newmtl")
-        begin();
-      else if (!color(keyword) && !number(keyword) && !map(keyword))
-        skip(keyword);
+      try {
+        statement(keyword);
+      } catch (const Error& problem) {
+        if (problem.code() != ExitCode::bad_scene || problem.diagnostics().empty()) throw;
+        warnings_.repair(problem, "the statement is left out");
+      }
     }
     finish();
   }
 
  private:
+  void statement(const std::string& keyword) {
+    if (keyword == "newmtl")
+      begin();
+    else if (!color(keyword) && !number(keyword) && !map(keyword))
+      skip(keyword);
+  }
+
   void begin() {
     finish();
     entry_.name = to_utf8(in_.rest());
@@ -92,7 +102,7 @@ class MtlReader {
     target.*member = MtlEntry::Rgb{r, g.value_or(r), b.value_or(r)};
     for (float& c : *(target.*member)) {
       if (c >= 0) continue;
-      warnings_.add(fmt::format("a negative component of {} is taken as 0", keyword));
+      warnings_.repair(fmt::format("a negative component of {} is taken as 0", keyword), nullptr);
       c = 0;
     }
     return true;
@@ -112,14 +122,15 @@ class MtlReader {
     } else if (keyword == "Ni") {
       const float index = in_.number("a refractive index");
       if (index <= 0)
-        warnings_.add("a refractive index (Ni) that is not above 0 is left out");
+        warnings_.repair("a refractive index (Ni) that is not above 0 is left out", nullptr);
       else
         entry().numbers["Ni"] = index;
     } else if (keyword == "illum") {
       const float model = in_.number("an illumination model of 0 to 10");
-      if (!(model >= 0 && model <= 10) || model != static_cast<float>(static_cast<int>(model)))
+      const float whole = std::round(model);
+      if (!(model >= 0 && model <= 10) || std::abs(model - whole) > kMtlRounding)
         throw in_.error(in_.quoted_word(), "an illumination model of 0 to 10");
-      entry().illumination = static_cast<int>(model);
+      entry().illumination = static_cast<int>(whole);
     } else {
       return false;
     }

@@ -14,6 +14,7 @@ class ObjMesh {
  public:
   /// In place of a normal's index: to be generated, one for each position and smoothing group.
   static constexpr uint32_t kFirstSmoothingGroup = 0x80000000;
+  static constexpr uint32_t kMostSmoothingGroups = 0x7FFFFFFE;
   /// More of anything than this is refused, so that indices fit.
   static constexpr size_t kMaxElements = 0x7FFFFFFF;
 

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "base/file.h"
 #include "base/plural.h"
+#include "scenes/mesh/vertex_colors.h"
 
 namespace tessera {
 namespace {
@@ -43,7 +46,19 @@ ObjFile ObjParser::parse() {
   if (file_.mesh.positions.empty())
     throw scene_error(first, fmt::format("no vertex (v) in the whole file{}", begins_with),
                       "the text of an OBJ file");
+  if (unplaced_ && file_.mesh.triangle_count() == 0) throw *unplaced_;
   return std::move(file_);
+}
+
+float ObjParser::finite(const char* what, float instead, std::string_view taken) {
+  return checked(in_.any_number(what), what, instead, taken);
+}
+
+float ObjParser::checked(float value, const char* what, float instead, std::string_view taken) {
+  if (std::isfinite(value)) return value;
+  warnings_.repair(in_.quoted_word(), LineReader::bounded(what, value), taken,
+                   [&] { return in_.place(); });
+  return instead;
 }
 
 void ObjParser::statement(std::string_view keyword) {
@@ -80,19 +95,27 @@ void ObjParser::vertex() {
   std::vector<float>& positions = file_.mesh.positions;
   if (positions.size() / 3 >= ObjMesh::kMaxElements)
     throw in_.error("too many vertices", fmt::format("at most {}", ObjMesh::kMaxElements));
-  for (int a = 0; a < 3; ++a) positions.push_back(in_.number("a coordinate"));
+  constexpr const char* kCoordinate = "a coordinate";
+  constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
+  for (int a = 0; a < 3; ++a) {
+    const float value = in_.any_number(kCoordinate);
+    if (!std::isfinite(value) && !unplaced_)
+      unplaced_ = in_.error(in_.quoted_word(), LineReader::bounded(kCoordinate, value));
+    positions.push_back(checked(value, kCoordinate, kNowhere, "the faces there are left out"));
+  }
   // Four numbers: a weight, which only curves use. Six or seven: a colour at the end.
   std::array<float, 4> more{};
   size_t count = 0;
   while (count < more.size()) {
-    const auto value = in_.optional_number("a number");
+    const auto value = in_.optional_any_number("a number");
     if (!value) break;
-    more[count++] = *value;
+    more[count++] = checked(*value, "a number", 1, "1 is taken");
   }
   std::vector<float>& colors = file_.mesh.colors;
   if (count >= 3) {
     colors.resize((positions.size() / 3 - 1) * 4, 1.f);
-    colors.insert(colors.end(), more.begin() + (count - 3), more.begin() + count);
+    for (size_t c = count - 3; c < count; ++c)
+      colors.push_back(vertex_light(more[c], VertexColorSource::obj));
     colors.push_back(1.f);
   } else if (!colors.empty()) {
     colors.resize(positions.size() / 3 * 4, 1.f);
@@ -102,14 +125,20 @@ void ObjParser::vertex() {
 void ObjParser::texture_coordinate() {
   std::vector<float>& uvs = file_.mesh.uvs;
   if (uvs.size() / 2 >= ObjMesh::kMaxElements) throw in_.error("too many vt", "fewer");
-  uvs.push_back(in_.number("a texture coordinate"));
-  uvs.push_back(in_.optional_number("a texture coordinate").value_or(0.f));
+  constexpr const char* kWhat = "a texture coordinate";
+  for (int a = 0; a < 2; ++a)
+    uvs.push_back(checked(in_.optional_any_number(kWhat).value_or(0.f), kWhat, 0, "0 is taken"));
 }
 
 void ObjParser::normal() {
   std::vector<float>& normals = file_.mesh.normals;
   if (normals.size() / 3 >= ObjMesh::kMaxElements) throw in_.error("too many vn", "fewer");
-  for (int a = 0; a < 3; ++a) normals.push_back(in_.number("a component of the normal"));
+  for (int a = 0; a < 3; ++a)
+    normals.push_back(finite("a component of the normal", 0, "0 is taken"));
+  const float* const n = &normals[normals.size() - 3];
+  if (n[0] != 0 || n[1] != 0 || n[2] != 0) return;
+  warnings_.repair("a normal of no length", "a direction",
+                   "the faces there are as if it were not given", [&] { return in_.place(); });
 }
 
 void ObjParser::smoothing() {
@@ -122,10 +151,16 @@ void ObjParser::smoothing() {
   }
   const auto [stop, problem] =
       std::from_chars(group.data(), group.data() + group.size(), smoothing_group_);
-  if (problem != std::errc() || stop != group.data() + group.size() ||
-      smoothing_group_ >= ObjMesh::kFirstSmoothingGroup - 1) {
+  constexpr uint32_t kMostGroups = ObjMesh::kMostSmoothingGroups;
+  const auto repair = [&](std::string_view expected, std::string_view taken) {
+    warnings_.repair(in_.quoted_word(), expected, taken, [&] { return in_.place(); });
+  };
+  if (stop != group.data() + group.size() || problem == std::errc::invalid_argument) {
     smoothing_group_ = 0;
-    throw in_.error(in_.quoted_word(), "a smoothing group's number, 'on' or 'off'");
+    repair("a smoothing group's number, 'on' or 'off'", "'off' is taken");
+  } else if (problem != std::errc() || smoothing_group_ > kMostGroups) {
+    smoothing_group_ = kMostGroups;
+    repair(fmt::format("a smoothing group up to {}", kMostGroups), "that one is taken");
   }
 }
 
@@ -171,7 +206,11 @@ MeshCorner ObjParser::corner() {
       corner.uv = reference("texture coordinate", mesh.uvs.size() / 2);
     if (in_.peek() == '/') {
       in_.skip_char();
-      if (!in_.at_word_end()) corner.normal = reference("normal", mesh.normals.size() / 3);
+      if (!in_.at_word_end()) {
+        corner.normal = reference("normal", mesh.normals.size() / 3);
+        const float* const n = &mesh.normals[size_t{corner.normal} * 3];
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0) corner.normal = kNoIndex;
+      }
     }
   }
   if (!in_.at_word_end()) throw in_.error(in_.quoted_word(), "v, v/t, v//n or v/t/n");
@@ -181,8 +220,12 @@ MeshCorner ObjParser::corner() {
 void ObjParser::face() {
   polygon_.clear();
   while (!in_.at_line_end() && in_.peek() != '#') polygon_.push_back(corner());
-  if (polygon_.size() < 3)
-    throw in_.error("a face with " + counted(polygon_.size(), "corner"), "at least 3");
+  if (polygon_.size() < 3) {
+    warnings_.repair("a face with " + counted(polygon_.size(), "corner"), "at least 3",
+                     "it is left out", [&] { return in_.place(); });
+    return;
+  }
+  if (unplaced_ && !is_placed()) return;
   // A face either brings all of its normals or gets them from its smoothing group.
   const bool complete = std::none_of(polygon_.begin(), polygon_.end(),
                                      [](const auto& c) { return c.normal == kNoIndex; });
@@ -192,6 +235,13 @@ void ObjParser::face() {
     for (MeshCorner& c : polygon_) c.normal = generated;
   }
   add_polygon();
+}
+
+bool ObjParser::is_placed() const {
+  return std::all_of(polygon_.begin(), polygon_.end(), [&](const MeshCorner& corner) {
+    const float* const p = &file_.mesh.positions[size_t{corner.position} * 3];
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+  });
 }
 
 void ObjParser::add_polygon() {
@@ -205,9 +255,12 @@ void ObjParser::add_polygon() {
       const size_t at = size_t{c.position} * 3;
       points_.push_back({p[at], p[at + 1], p[at + 2]});
     }
-    if (!triangulate(points_, triples_))
-      throw in_.error(fmt::format("a concave face with {} corners", polygon_.size()),
-                      fmt::format("at most {}", kMaxConcaveCorners));
+    if (!triangulate(points_, triples_)) {
+      warnings_.repair(fmt::format("a concave face with {} corners", polygon_.size()),
+                       fmt::format("at most {}", kMaxConcaveCorners), "it is left out",
+                       [&] { return in_.place(); });
+      return;
+    }
   }
   if (file_.mesh.triangle_count() + triples_.size() > ObjMesh::kMaxElements)
     throw in_.error("too many faces", "fewer than 2^31 triangles");

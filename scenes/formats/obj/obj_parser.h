@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ class ObjParser {
 
  private:
   void statement(std::string_view keyword);
+  /// A number, or `instead` of one that is not finite, with a warning that says so.
+  float finite(const char* what, float instead, std::string_view taken);
+  float checked(float value, const char* what, float instead, std::string_view taken);
+  bool is_placed() const;
   void vertex();
   void texture_coordinate();
   void normal();
@@ -48,7 +53,8 @@ class ObjParser {
   ObjFile file_;
   std::map<std::string, uint32_t, std::less<>> material_index_;
   uint32_t material_ = kNoIndex;
-  uint32_t smoothing_group_ = 0;  ///< 0: off
+  uint32_t smoothing_group_ = 0;   ///< 0: off
+  std::optional<Error> unplaced_;  ///< of the first vertex that is nowhere
   std::vector<MeshCorner> polygon_;
   std::vector<Vec3> points_;
   std::vector<CornerTriple> triples_;

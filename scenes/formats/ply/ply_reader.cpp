@@ -7,17 +7,19 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/file.h"
 #include "base/plain_text.h"
-#include "renderer/math/encodings.h"
 #include "scenes/formats/ply/ply_source.h"
 #include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/warnings.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/triangulate.h"
+#include "scenes/mesh/vertex_colors.h"
 
 namespace tessera {
 namespace {
@@ -60,16 +62,16 @@ size_t slot_of(std::string_view name) {
   return kNone;
 }
 
-/// Whole numbers are codes of a display, as scanners write them; others are light.
 float color_value(double value, PlyType type, bool is_alpha) {
-  if (type >= PlyType::float32) return static_cast<float>(value);
+  if (type >= PlyType::float32)
+    return is_alpha ? static_cast<float>(value) : vertex_light(value, VertexColorSource::ply_float);
   const double largest = type == PlyType::uint8    ? 255
                          : type == PlyType::uint16 ? 65535
                          : type == PlyType::int8   ? 127
                          : type == PlyType::int16  ? 32767
                                                    : 4294967295.0;
   const double share = std::clamp(value / largest, 0.0, 1.0);
-  return static_cast<float>(is_alpha ? share : srgb_to_linear(share));
+  return is_alpha ? static_cast<float>(share) : vertex_light(share, VertexColorSource::ply_integer);
 }
 
 template <typename Source>
@@ -100,6 +102,7 @@ class PlyMesh {
       in_ = begin;
       faces(*element);
     }
+    if (unplaced_ && drop_unplaced(mesh_) > 0 && mesh_.triangle_count() == 0) throw *unplaced_;
     return std::move(mesh_);
   }
 
@@ -155,6 +158,22 @@ class PlyMesh {
       if (uvs) put(mesh_.uvs, kU, kV);
       if (colors) put(mesh_.colors, kRed, kAlpha);
     }
+    replace_endless(mesh_.normals, 3, 0);
+    replace_endless(mesh_.uvs, 2, 0);
+    replace_endless(mesh_.colors, 4, 1);
+  }
+
+  void say_endless(size_t slot, double value) {
+    constexpr const char* kExpected = "a finite number that single precision can hold";
+    const bool is_position = slot <= kZ;
+    if (is_position && !unplaced_)
+      unplaced_ = scene_error(in_.place(), in_.shown(value), kExpected);
+    warnings_.repair(in_.shown(value), kExpected,
+                     is_position   ? "the faces there are left out"
+                     : slot <= kNz ? "the face's own normal is taken"
+                     : slot <= kV  ? "0 is taken"
+                                   : "white is taken",
+                     [&] { return in_.place(); });
   }
 
   void vertex(const PlyElement& element, const std::vector<size_t>& slots,
@@ -167,6 +186,11 @@ class PlyMesh {
         continue;
       }
       const double value = in_.value(property.type);
+      if (!(std::abs(value) <= std::numeric_limits<float>::max())) {
+        say_endless(slot, value);
+        values[slot] = std::numeric_limits<float>::quiet_NaN();
+        continue;
+      }
       if (slot < kRed)
         values[slot] = static_cast<float>(value);
       else if (slot < kAlpha && property.type == PlyType::uint8 && value >= 0 && value <= 255)
@@ -234,9 +258,14 @@ class PlyMesh {
       points_.push_back({p[0], p[1], p[2]});
     }
     triples_.clear();
-    if (!triangulate(points_, triples_))
-      throw in_.error(row_name("face"), fmt::format("concave, with {} corners", count),
-                      fmt::format("at most {}", kMaxConcaveCorners));
+    const auto is_placed = [](const Vec3& p) { return is_finite(p); };
+    if (unplaced_ && !std::all_of(points_.begin(), points_.end(), is_placed)) return;
+    if (!triangulate(points_, triples_)) {
+      warnings_.repair(fmt::format("{}concave, with {} corners", row_name("face"), count),
+                       fmt::format("at most {}", kMaxConcaveCorners), "it is left out",
+                       [&] { return in_.place(); });
+      return;
+    }
     for (const CornerTriple& t : triples_) add(polygon_[t[0]], polygon_[t[1]], polygon_[t[2]]);
   }
 
@@ -263,6 +292,7 @@ class PlyMesh {
   Warnings& warnings_;
   MeshData mesh_;
   uint64_t row_ = 0;
+  std::optional<Error> unplaced_;  ///< of the first vertex that is nowhere
   std::array<float, 256> codes_{};
   std::vector<uint32_t> polygon_;
   std::vector<Vec3> points_;

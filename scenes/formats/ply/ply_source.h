@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <string_view>
 
@@ -30,6 +28,9 @@ class PlyText {
   Error error(std::string_view /*row*/, std::string_view found, std::string_view expected) const {
     return in_.error(found, expected);
   }
+  /// Of the value that was read last.
+  SourcePlace place() const { return in_.place(); }
+  std::string shown(double /*value*/) const { return in_.quoted_word(); }
 
  private:
   TokenReader in_;
@@ -42,17 +43,14 @@ class PlyBinary {
   PlyBinary(std::string_view bytes, std::string name, size_t begin)
       : bytes_(bytes), name_(std::move(name)), at_(begin) {}
 
-  double value(PlyType type) {
-    const double value = any_value(type);
-    if (!(std::abs(value) <= std::numeric_limits<float>::max()))
-      throw error("", fmt::format("{}", value), "a finite number that single precision can hold");
-    return value;
-  }
+  double value(PlyType type) { return any_value(type); }
   void skip(PlyType type) { any_value(type); }
   uint64_t room(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
   Error error(std::string_view row, std::string_view found, std::string_view expected) const {
-    return scene_error({name_}, fmt::format("{}{} (before byte {})", row, found, at_), expected);
+    return scene_error(place(), fmt::format("{}{} (before byte {})", row, found, at_), expected);
   }
+  SourcePlace place() const { return {name_}; }
+  std::string shown(double value) const { return fmt::format("{} (before byte {})", value, at_); }
 
  private:
   template <typename Number>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include "base/file.h"
 #include "base/lower_case.h"
@@ -25,11 +26,20 @@ constexpr size_t kHeader = 80, kDataBegin = 84, kRecord = 50;
 
 using Corners = std::array<std::array<float, 3>, 3>;
 
+/// The first coordinate that is not finite; null: none.
+const float* find_endless(const Corners& corners) {
+  for (const auto& corner : corners)
+    for (const float& c : corner)
+      if (!std::isfinite(c)) return &c;
+  return nullptr;
+}
+
 class StlMesh {
  public:
   explicit StlMesh(Warnings& warnings) : warnings_(warnings) {}
 
   void add(const Corners& corners) {
+    if (find_endless(corners)) return;
     std::array<uint32_t, 3> t;
     for (size_t i = 0; i < 3; ++i) t[i] = points_.add(corners[i]);
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
@@ -38,7 +48,15 @@ class StlMesh {
       triangles_.insert(triangles_.end(), t.begin(), t.end());
   }
 
+  /// Says that the next triangle has a number that is not finite.
+  void say_endless(const std::string& found, const char* expected, const Warnings::Where& where) {
+    if (!unplaced_) unplaced_ = scene_error(where(), found, expected);
+    warnings_.repair(found, expected, "the triangle is left out", where);
+  }
+
+  /// Throws where such triangles were all that there was.
   MeshData take() {
+    if (unplaced_ && triangles_.empty()) throw *unplaced_;
     MeshData mesh;
     mesh.positions = points_.take();
     mesh.triangles = std::move(triangles_);
@@ -49,6 +67,7 @@ class StlMesh {
   Warnings& warnings_;
   PointTable points_;
   std::vector<uint32_t> triangles_;
+  std::optional<Error> unplaced_;  ///< of the first triangle that is nowhere
 };
 
 uint32_t announced_triangles(std::string_view bytes) {
@@ -98,12 +117,9 @@ void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,
   for (size_t i = 0; i < count; ++i) {
     Corners corners;
     std::memcpy(corners.data(), bytes.data() + kDataBegin + i * kRecord + 12, sizeof corners);
-    for (const auto& corner : corners)
-      for (const float c : corner)
-        if (!std::isfinite(c))
-          throw scene_error({name},
-                            fmt::format("triangle {} of {}: coordinate {}", i + 1, count, c),
-                            "finite numbers");
+    if (const float* const c = find_endless(corners))
+      mesh.say_endless(fmt::format("triangle {} of {}: coordinate {}", i + 1, count, *c),
+                       "finite numbers", [&] { return SourcePlace{name}; });
     mesh.add(corners);
   }
 }
@@ -163,10 +179,16 @@ class StlText {
       if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a component of the normal");
     expect("outer");
     expect("loop");
-    Corners corners;
+    Corners corners{};
     for (auto& corner : corners) {
       expect("vertex");
-      for (float& c : corner) c = static_cast<float>(in_.number("a coordinate"));
+      for (float& c : corner) {
+        const bool is_first = find_endless(corners) == nullptr;
+        c = static_cast<float>(in_.number("a coordinate"));
+        if (!std::isfinite(c) && is_first)
+          mesh_.say_endless(in_.quoted_word(), "a coordinate that single precision can hold",
+                            [&] { return in_.place(); });
+      }
     }
     expect("endloop");
     expect("endfacet");

@@ -42,6 +42,7 @@ class X3dUndo {
         headlight_(build.headlight),
         depth_(build.depth),
         warnings_(build.out.warnings.size()),
+        repairs_(build.out.repairs.size()),
         placeholder_(build.placeholder),
         open_(build.files.open),
         known_(build.files.objects) {}
@@ -60,6 +61,7 @@ class X3dUndo {
     build_.depth = depth_;
     build_.out.warnings.resize(warnings_);
     build_.out.warning_diagnostics.resize(warnings_);
+    build_.out.repairs.resize(repairs_);
     build_.placeholder = placeholder_;
     build_.files.open = open_;
     build_.files.objects = known_;
@@ -76,7 +78,7 @@ class X3dUndo {
   int cameras_, materials_, textures_, objects_, includes_;
   bool has_background_, has_scene_fog_, has_fog_, has_navigation_, headlight_;
   int depth_;
-  size_t warnings_;
+  size_t warnings_, repairs_;
   std::string placeholder_;
   std::vector<std::string> open_;
   std::map<std::string, std::string> known_;

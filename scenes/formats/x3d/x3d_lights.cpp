@@ -13,10 +13,13 @@ void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
   v1::Light light;
   light.set_name(node.def);
   const Vec3 location = values_.vec3(node, "location", {});
-  const Vec3 direction = values_.vec3(node, "direction", {0, 0, -1});
+  constexpr Vec3 kAhead{0, 0, -1};
+  Vec3 direction = values_.vec3(node, "direction", kAhead);
   const bool directional = node.type == "DirectionalLight";
-  if (node.type != "PointLight" && direction == Vec3{})
-    throw document_.error(node.field("direction")->offset, "a direction of 0 0 0", "a direction");
+  if (node.type != "PointLight" && direction == Vec3{}) {
+    values_.repair(node, "direction", "a direction of 0 0 0", "a direction", "0 0 -1 is taken");
+    direction = kAhead;
+  }
   if (directional) {
     put_vec3(direction, light.mutable_directional()->mutable_direction());
   } else if (node.type == "PointLight") {
@@ -28,11 +31,18 @@ void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
                                 : version >= 30 ? std::numbers::pi / 4
                                                 : std::numbers::pi / 2;
     const double default_cut_off = version >= 30 ? std::numbers::pi / 2 : std::numbers::pi / 4;
-    const double cut_off = values_.angle(node, "cutOffAngle", default_cut_off);
+    double cut_off = values_.angle(node, "cutOffAngle", default_cut_off);
     const double beam = values_.angle(node, "beamWidth", default_beam);
-    if (!(cut_off > 0 && cut_off <= std::numbers::pi))
-      throw document_.error(node.field("cutOffAngle")->offset,
-                            fmt::format("cutOffAngle {}", cut_off), "an angle above 0, up to pi");
+    if (!(cut_off > 0 && cut_off <= std::numbers::pi)) {
+      const bool is_wide = cut_off > 0;
+      constexpr double kRounding = 1e-3;  // of pi written with few digits, as 3.142
+      if (!is_wide || cut_off > std::numbers::pi * (1 + kRounding))
+        values_.repair(node, "cutOffAngle", fmt::format("cutOffAngle {}", cut_off),
+                       "an angle above 0, up to pi",
+                       is_wide ? "pi is taken" : "the light is left out");
+      if (!is_wide) return;
+      cut_off = std::numbers::pi;
+    }
     v1::Light::Spot& spot = *light.mutable_spot();
     put_vec3(location, spot.mutable_position());
     put_vec3(direction, spot.mutable_direction());

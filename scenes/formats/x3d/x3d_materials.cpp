@@ -88,8 +88,8 @@ void X3dTranslator::set_alpha(const Look& look, v1::Material& material) {
   else if (mode == "BLEND")
     material.set_alpha(v1::Material::ALPHA_BLEND);
   else
-    throw document_.error(look.appearance->field("alphaMode")->offset,
-                          fmt::format("alphaMode '{}'", mode), "AUTO, OPAQUE, MASK or BLEND");
+    values_.repair(*look.appearance, "alphaMode", fmt::format("alphaMode '{}'", mode),
+                   "AUTO, OPAQUE, MASK or BLEND", "AUTO is taken");
   if (mode == "MASK") material.set_alpha_cutoff(values_.share(*look.appearance, "alphaCutoff", .5));
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "renderer/math/elementary.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
@@ -8,57 +10,75 @@
 namespace tessera {
 namespace {
 
+constexpr const char* kLeftOut = "the shape is left out";
+
+/// A length above 0; where the file's is none, 0.
 double positive(const X3dValues& values, const X3dNode& node, const char* name, double otherwise) {
   const double value = values.number(node, name, otherwise);
   if (value > 0) return value;
-  throw values.document().error(node.field(name)->offset,
-                                fmt::format("{} {} of {}", name, value, describe(node)),
-                                "a length above 0");
+  values.repair(node, name, fmt::format("{} {} of {}", name, value, describe(node)),
+                "a length above 0", kLeftOut);
+  return 0;
 }
 
-void set_box(const X3dNode& node, const X3dValues& values, v1::Box& box) {
+// Each false where a length is none, so that nothing is left of the shape.
+
+bool set_sphere(const X3dNode& node, const X3dValues& values, v1::Sphere& sphere) {
+  sphere.set_radius(positive(values, node, "radius", 1));
+  return sphere.radius() > 0;
+}
+
+bool set_box(const X3dNode& node, const X3dValues& values, v1::Box& box) {
   const Vec3 size = values.vec3(node, "size", {2, 2, 2});
-  if (!(size.x > 0 && size.y > 0 && size.z > 0))
-    throw values.document().error(node.field("size")->offset,
-                                  fmt::format("size of {}", describe(node)), "lengths above 0");
   put_vec3(size * -0.5, box.mutable_min());
   put_vec3(size * 0.5, box.mutable_max());
+  if (size.x > 0 && size.y > 0 && size.z > 0) return true;
+  values.repair(node, "size", fmt::format("size of {}", describe(node)), "lengths above 0",
+                kLeftOut);
+  return false;
 }
 
-void set_cylinder(const X3dNode& node, const X3dValues& values, v1::Cylinder& cylinder) {
+bool set_cylinder(const X3dNode& node, const X3dValues& values, v1::Cylinder& cylinder) {
   cylinder.set_radius(positive(values, node, "radius", 1));
   cylinder.set_height(positive(values, node, "height", 2));
   cylinder.set_open_side(!values.boolean(node, "side", true));
   cylinder.set_open_top(!values.boolean(node, "top", true));
   cylinder.set_open_bottom(!values.boolean(node, "bottom", true));
+  return cylinder.radius() > 0 && cylinder.height() > 0;
 }
 
-void set_cone(const X3dNode& node, const X3dValues& values, v1::Cone& cone) {
+bool set_cone(const X3dNode& node, const X3dValues& values, v1::Cone& cone) {
   cone.set_radius(positive(values, node, "bottomRadius", 1));
   cone.set_height(positive(values, node, "height", 2));
   cone.set_open_side(!values.boolean(node, "side", true));
   cone.set_open_bottom(!values.boolean(node, "bottom", true));
+  return cone.radius() > 0 && cone.height() > 0;
 }
 
-void set_rectangle(const X3dNode& node, const X3dValues& values, v1::Rectangle& rectangle) {
+bool set_rectangle(const X3dNode& node, const X3dValues& values, v1::Rectangle& rectangle) {
   auto size = values.numbers(node, "size", 2);
   if (size.empty()) size = {2, 2};
-  if (size.size() != 2 || !(size[0] > 0 && size[1] > 0))
-    throw values.document().error(node.field("size")->offset,
-                                  fmt::format("size of {}", describe(node)), "two lengths above 0");
+  if (size.size() != 2 || !(size[0] > 0 && size[1] > 0)) {
+    values.repair(node, "size", fmt::format("size of {}", describe(node)), "two lengths above 0",
+                  kLeftOut);
+    return false;
+  }
   put_vec3({-size[0] / 2, -size[1] / 2, 0}, rectangle.mutable_corner());
   put_vec3({size[0], 0, 0}, rectangle.mutable_edge_u());
   put_vec3({0, size[1], 0}, rectangle.mutable_edge_v());
+  return true;
 }
 
-void set_disc(const X3dNode& node, const X3dValues& values, v1::Disc& disc) {
+bool set_disc(const X3dNode& node, const X3dValues& values, v1::Disc& disc) {
   disc.set_radius(positive(values, node, "outerRadius", 1));
+  if (disc.radius() == 0) return false;
   const double inner = values.number(node, "innerRadius", 0);
-  if (inner < 0 || inner >= disc.radius())
-    throw values.document().error(node.field("innerRadius")->offset,
-                                  fmt::format("innerRadius {}", inner),
-                                  "0 or more, and less than outerRadius");
-  disc.set_inner_radius(inner);
+  const bool is_empty = inner >= disc.radius();
+  if (is_empty || inner < 0)
+    values.repair(node, "innerRadius", fmt::format("innerRadius {}", inner),
+                  "0 or more, and less than outerRadius", is_empty ? kLeftOut : "0 is taken");
+  disc.set_inner_radius(std::max(0., inner));
+  return !is_empty;
 }
 
 bool is_textured(const X3dNode* appearance) {
@@ -123,22 +143,15 @@ bool X3dTranslator::set_geometry(const X3dNode& geometry, const MeshLook& look,
       return false;
     }
     *shape.mutable_mesh() = made.mesh;
-  } else if (type == "Sphere") {
-    shape.mutable_sphere()->set_radius(positive(values_, geometry, "radius", 1));
-  } else if (type == "Box") {
-    set_box(geometry, values_, *shape.mutable_box());
-  } else if (type == "Cylinder") {
-    set_cylinder(geometry, values_, *shape.mutable_cylinder());
-  } else if (type == "Cone") {
-    set_cone(geometry, values_, *shape.mutable_cone());
-  } else if (type == "Rectangle2D") {
-    set_rectangle(geometry, values_, *shape.mutable_rectangle());
-  } else if (type == "Disk2D") {
-    set_disc(geometry, values_, *shape.mutable_disc());
-  } else {
-    return false;  // listed among what is ignored, or as unknown
+    return true;
   }
-  return true;
+  if (type == "Sphere") return set_sphere(geometry, values_, *shape.mutable_sphere());
+  if (type == "Box") return set_box(geometry, values_, *shape.mutable_box());
+  if (type == "Cylinder") return set_cylinder(geometry, values_, *shape.mutable_cylinder());
+  if (type == "Cone") return set_cone(geometry, values_, *shape.mutable_cone());
+  if (type == "Rectangle2D") return set_rectangle(geometry, values_, *shape.mutable_rectangle());
+  if (type == "Disk2D") return set_disc(geometry, values_, *shape.mutable_disc());
+  return false;  // listed among what is ignored, or as unknown
 }
 
 void X3dTranslator::add_shape(const X3dNode& node, const v1::Transform& path, v1::Node& out) {

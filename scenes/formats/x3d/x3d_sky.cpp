@@ -92,8 +92,8 @@ void X3dTranslator::set_fog(const X3dNode& node, const v1::Transform& path) {
   if (type == "EXPONENTIAL")
     fog.set_kind(v1::Fog::EXPONENTIAL);
   else if (!type.empty() && type != "LINEAR")
-    throw document_.error(node.field("fogType")->offset, fmt::format("fogType '{}'", type),
-                          "LINEAR or EXPONENTIAL");
+    values_.repair(node, "fogType", fmt::format("fogType '{}'", type), "LINEAR or EXPONENTIAL",
+                   "LINEAR is taken");
   put(values_.color(node, "color", kWhite), fog.mutable_color());
   fog.set_visibility_range(range);
 }

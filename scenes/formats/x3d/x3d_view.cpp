@@ -38,19 +38,24 @@ v1::Camera X3dTranslator::make_camera(const X3dNode& node, const v1::Transform& 
     const auto sides = values_.numbers(node, "fieldOfView", 4);
     v1::Orthographic& view = *camera.mutable_orthographic();
     if (sides.size() == 4) {
-      if (!(sides[0] < sides[2] && sides[1] < sides[3]))
-        throw document_.error(node.field("fieldOfView")->offset, "an empty field of view",
-                              "minimum x and y below maximum x and y");
-      view.set_min_x(sides[0]);
-      view.set_min_y(sides[1]);
-      view.set_max_x(sides[2]);
-      view.set_max_y(sides[3]);
+      if (sides[0] < sides[2] && sides[1] < sides[3]) {
+        view.set_min_x(sides[0]);
+        view.set_min_y(sides[1]);
+        view.set_max_x(sides[2]);
+        view.set_max_y(sides[3]);
+      } else {
+        values_.repair(node, "fieldOfView", "an empty field of view",
+                       "minimum x and y below maximum x and y", "-1 -1 1 1 is taken");
+      }
     }
   } else {
-    const double angle = values_.angle(node, "fieldOfView", std::numbers::pi / 4);
-    if (!(angle > 0 && angle < std::numbers::pi))
-      throw document_.error(node.field("fieldOfView")->offset, fmt::format("fieldOfView {}", angle),
-                            "an angle between 0 and pi");
+    constexpr double kUsual = std::numbers::pi / 4;
+    double angle = values_.angle(node, "fieldOfView", kUsual);
+    if (!(angle > 0 && angle < std::numbers::pi)) {
+      values_.repair(node, "fieldOfView", fmt::format("fieldOfView {}", angle),
+                     "an angle between 0 and pi", "pi / 4 is taken");
+      angle = kUsual;
+    }
     camera.mutable_perspective()->set_field_of_view(degrees_from_radians(angle));
     camera.mutable_perspective()->set_axis(v1::Perspective::SMALLER);
   }

@@ -79,7 +79,14 @@ void X3dValues::spend(size_t bytes, size_t offset) const {
 
 void X3dValues::warn_of(const X3dNode& node, std::string_view name, std::string_view what) const {
   const X3dField* field = node.field(name);
-  warn(field ? field->offset : node.offset, fmt::format("{} of {} {}", name, node.type, what));
+  warnings_.repair(fmt::format("{} of {} {}", name, node.type, what),
+                   [&] { return document_.place(field ? field->offset : node.offset); });
+}
+
+void X3dValues::repair(const X3dNode& node, std::string_view name, std::string_view found,
+                       std::string_view expected, std::string_view taken) const {
+  warnings_.repair(found, expected, taken,
+                   [&] { return document_.place(node.field(name)->offset); });
 }
 
 template <typename Number>
@@ -104,8 +111,11 @@ bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwi
   std::string lower;
   for (const char c : field->text)
     if (!is_separator(c)) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
-  if (lower != "true" && lower != "false")
-    throw document_.error(field->offset, shown(field->text), "true or false");
+  if (lower != "true" && lower != "false") {
+    repair(node, name, shown(field->text), "true or false",
+           fmt::format("{} is taken for {}", otherwise, name));
+    return otherwise;
+  }
   if (lower != field->text && !document_.quotes_strings())
     warn(field->offset, fmt::format("{}='{}' is read as {}", name, field->text, lower));
   return lower == "true";

@@ -64,6 +64,10 @@ class X3dValues {
         what, [&] { return document_.place(offset); }, times);
   }
 
+  /// Warns that a field, which is there, breaks the rule `expected`, and what is `taken` for it.
+  void repair(const X3dNode& node, std::string_view name, std::string_view found,
+              std::string_view expected, std::string_view taken) const;
+
   /// Counts what is made of a node at `offset` as if so much were read.
   void spend(size_t bytes, size_t offset) const;
   /// Reading lists again and again, as USE makes possible, must end: so much, and so often the

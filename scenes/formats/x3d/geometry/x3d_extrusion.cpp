@@ -18,6 +18,16 @@ struct Section {
 
 bool is_null(const Vec3& v) { return !(length_squared(v) > 0); }
 
+/// Whether the points end where they begin, but for what rounding makes of the sine and cosine of a
+/// whole turn.
+bool is_closed(const std::vector<Vec3>& points) {
+  constexpr double kRounding = 1e-6;
+  if (points.size() <= 2) return false;
+  double size = 0;
+  for (const Vec3& p : points) size = std::max(size, max_component(abs(p)));
+  return max_component(abs(points.front() - points.back())) <= kRounding * size;
+}
+
 /// The turn that takes +y to `direction`.
 Section turned_to(const Vec3& direction) {
   const Vec3 from{0, 1, 0}, to = normalize(direction);
@@ -34,7 +44,7 @@ Section turned_to(const Vec3& direction) {
 class SpinePlanes {
  public:
   explicit SpinePlanes(const std::vector<Vec3>& spine) : spine_(spine), n_(spine.size()) {
-    closed_ = n_ > 2 && spine_.front() == spine_.back();
+    closed_ = is_closed(spine);
   }
 
   std::vector<Section> make() const {
@@ -103,8 +113,10 @@ class Extruder {
           node.offset,
           fmt::format("{} times {} points of {}", width_, spine_.size(), describe(node)),
           fmt::format("at most {}", kMaxX3dPoints));
-    closed_ = width_ > 2 && section_[0] == section_[2 * width_ - 2] &&
-              section_[1] == section_[2 * width_ - 1];
+    std::vector<Vec3> section;
+    for (size_t j = 0; j < width_; ++j)
+      section.push_back({section_[2 * j], 0, section_[2 * j + 1]});
+    closed_ = is_closed(section);
   }
 
   X3dFaces make() {

@@ -158,12 +158,13 @@ class MeshBuilder {
     if (node_.type == "Text") return;
     const bool creased = node_.type == "IndexedFaceSet" || node_.type == "ElevationGrid" ||
                          node_.type == "Extrusion";
-    const double angle = creased      ? values_.angle(node_, "creaseAngle", 0)
-                         : per_vertex ? std::numbers::pi
-                                      : 0;
-    if (angle < 0)
-      throw values_.document().error(node_.field("creaseAngle")->offset, "a negative creaseAngle",
-                                     "0 or more");
+    double angle = creased      ? values_.angle(node_, "creaseAngle", 0)
+                   : per_vertex ? std::numbers::pi
+                                : 0;
+    if (angle < 0) {
+      values_.repair(node_, "creaseAngle", "a negative creaseAngle", "0 or more", "0 is taken");
+      angle = 0;
+    }
     if (angle == 0 || corners_.empty()) return;
     GeneratedNormals made = crease_normals(welded(), areas_, points_.size() / 3, angle);
     if (made.corner_normal.empty())

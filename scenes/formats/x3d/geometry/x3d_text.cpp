@@ -23,9 +23,11 @@ class TextBuilder {
     if (!style || style->type != "FontStyle") return;
     size_ = values.number(*style, "size", 1);
     spacing_ = values.number(*style, "spacing", 1);
-    if (!(size_ > 0))
-      throw values.document().error(style->field("size")->offset, fmt::format("size {}", size_),
-                                    "a height above 0");
+    if (!(size_ > 0)) {
+      values.repair(*style, "size", fmt::format("size {}", size_), "a height above 0",
+                    "1 is taken");
+      size_ = 1;
+    }
     const std::string look = values.text(*style, "style");
     bold_ = look.starts_with("BOLD");
     italic_ = look.ends_with("ITALIC");

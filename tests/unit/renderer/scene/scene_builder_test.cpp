@@ -1,5 +1,6 @@
 #include "renderer/scene/scene_builder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "renderer/math/elementary.h"
 #include "renderer/scene/read_transform.h"
 #include "tests/unit/renderer/scene_text.h"
 
@@ -223,6 +225,83 @@ TEST(ReadTransform, rotations_turn_at_constant_speed) {
   const double whole = angle_between(at(between, 0), at(between, 1));
   EXPECT_NEAR(angle_between(at(between, 0), at(between, .25)), whole / 4, 1e-12);
   EXPECT_NEAR(angle_between(at(between, .25), at(between, 1)), whole * 3 / 4, 1e-12);
+}
+
+TEST(ReadTransform, an_axis_may_be_rounded_in_each_key) {
+  const auto keys = [](const std::string& axis, const std::string& angle) {
+    return "keys { transform { steps { rotate { axis { x: 1 y: 1 z: 1 } angle: 10 } } } } "
+           "keys { time: 1 transform { steps { rotate { axis { " +
+           axis + " } angle: " + angle + " } } } }";
+  };
+  const Affine expected = rotation({1, 1, 1}, portable::radians(190));
+  for (const auto& [axis, angle] :
+       {std::pair("x: 1 y: 1 z: 1", "370"), std::pair("x: .57735 y: .57735 z: .57735003", "370"),
+        std::pair("x: -1 y: -1 z: -1.0000001", "-370")}) {
+    const Affine half = at(keys(axis, angle), .5);
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) EXPECT_NEAR(half.m[i][j], expected.m[i][j], 1e-6) << axis;
+  }
+}
+
+void expect_near(const Vec3& a, const Vec3& b, double most, const char* what = "") {
+  EXPECT_NEAR(length(a - b), 0, most) << a.x << ' ' << a.y << ' ' << a.z << ' ' << what;
+}
+
+TEST(ReadTransform, up_is_mixed_as_eye_and_target_are) {
+  const auto view = [](const std::string& up) {
+    return "transform { steps { look_at { eye { z: 5 } target { } " + up + " } } } } ";
+  };
+  const std::string roll =
+      "keys { " + view("up { y: 1 }") + "keys { time: 1 " + view("up { x: 1 }");
+  expect_near(at(roll, .5)(Vec3{0, 1, 0}), normalize(Vec3{1, 1, 0}), 1e-12);
+  expect_near(at(roll, .25)(Vec3{0, 1, 0}), normalize(Vec3{1, 3, 0}), 1e-12);
+  expect_near(at(roll, .9999999)(Vec3{0, 1, 0}), {1, 0, 0}, 1e-6, "no jump at the last key");
+  const std::string from_default = "keys { " + view("") + "keys { time: 1 " + view("up { x: 1 }");
+  expect_near(at(from_default, .5)(Vec3{0, 1, 0}), normalize(Vec3{1, 1, 0}), 1e-12);
+  const std::string over =
+      "keys { " + view("up { y: 1 }") + "keys { time: 1 " + view("up { y: -2 }");
+  expect_near(at(over, .5)(Vec3{0, 1, 0}), {-1, 0, 0}, 1e-12, "about the view");
+}
+
+std::string matrix_keys(const Affine& first, const Affine& last) {
+  const auto step = [](const Affine& a) {
+    std::string text = "transform { steps { matrix { rows: [";
+    for (const auto& row : a.m)
+      for (const double value : row)
+        text += fmt::format("{}{}", text.back() == '[' ? "" : ",", value);
+    return text + "] } } } }";
+  };
+  return "keys { " + step(first) + " keys { time: 1 " + step(last);
+}
+
+TEST(ReadTransform, matrices_turn_and_keep_their_size) {
+  const Affine size = scaling({2, 3, 4});
+  for (const double degrees : {30., 90., 179., 180.}) {
+    const Affine to =
+        translation({8, 0, 0}) * rotation({0, 0, 1}, portable::radians(degrees)) * size;
+    const Affine half = at(matrix_keys(size, to), .5);
+    const Affine expected =
+        translation({4, 0, 0}) * rotation({0, 0, 1}, portable::radians(degrees / 2)) * size;
+    for (int a = 0; a < 3; ++a) {
+      Vec3 axis;
+      axis[a] = 1;
+      EXPECT_NEAR(length(half(axis)), length(expected(axis)), 1e-12) << degrees;
+      if (degrees < 180) expect_near(half(axis), expected(axis), 1e-12);
+    }
+    EXPECT_NEAR(half.m[0][3], 4, 1e-12);
+  }
+  // What mirrors, and what is tiny.
+  for (const Affine& scale : {scaling({-1, 1, 1}), scaling({1e-150, 1e-150, 1e-150})}) {
+    const Affine to = rotation({1, 2, 3}, 1) * scale;
+    const Affine half = at(matrix_keys(scale, to), .5), expected = rotation({1, 2, 3}, .5) * scale;
+    const double least = std::abs(scale.m[0][0]) * 1e-12;
+    expect_near(half(Vec3{1, 0, 0}), expected(Vec3{1, 0, 0}), least);
+    expect_near(half(Vec3{0, 1, 1}), expected(Vec3{0, 1, 1}), 2 * least);
+  }
+  // A flat one has no turn of its own.
+  const Affine flat = at(matrix_keys(scaling({1, 0, 1}), scaling({1, 1, 1})), .5);
+  EXPECT_EQ(flat.m[1][1], .5);
+  EXPECT_EQ(at(matrix_keys({}, translation({1, 2, 3})), .5), translation({.5, 1, 1.5}));
 }
 
 }  // namespace

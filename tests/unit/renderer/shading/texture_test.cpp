@@ -164,6 +164,19 @@ TEST(Relief, normal_maps_turn_with_the_surface) {
   EXPECT_EQ(perturbed_normal(inputs, {}, all, frame, Affine{}, 1), (Vec3{0, 0, 1}));
 }
 
+TEST(Relief, normal_maps_lie_along_given_tangents) {
+  std::vector<Texture> all(1);
+  all[0].positions = {0};
+  all[0].colors = {{.5, 1, .5}};  // along the bitangent
+  MaterialInputs inputs;
+  inputs.normal_map = 0;
+  for (const double side : {1., -1.}) {
+    const SurfaceFrame frame{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, 2, 0}, {-side, 0, 0}};
+    const Vec3 n = perturbed_normal(inputs, {}, all, frame, Affine{}, 1);
+    EXPECT_NEAR(length(n - Vec3{-side, 0, 0}), 0, 1e-15) << "in place of u and v";
+  }
+}
+
 TEST(Microfacets, reflect_as_much_as_they_should) {
   // Over the hemisphere the microfacets' normals add up to the surface: the integral of D (n.h).
   for (const double alpha : {.1, .5, 1.0}) {

@@ -6,6 +6,7 @@
 #include "renderer/shapes/box.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
+#include "renderer/shapes/surface_interaction.h"
 #include "renderer/shapes/triangle.h"
 #include "renderer/shapes/triangle_mesh.h"
 
@@ -19,6 +20,20 @@ std::optional<Hit> closest(const Shape& shape, const Ray& ray) {
   if (!shape.closest_hit(ray, hit, counters)) return std::nullopt;
   EXPECT_TRUE(shape.any_hit(ray, counters));
   return hit;
+}
+
+TEST(TriangleMesh, BitangentsGoWithTheTransform) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  mesh.tangents = {{0, 1, 0, -1}, {0, 1, 0, -1}, {0, 1, 0, -1}};
+  LocalSurface s = triangle_surface(mesh, 0, .25, .25);
+  EXPECT_EQ(s.tangent, (Vec3{0, 1, 0}));
+  EXPECT_EQ(s.bitangent, (Vec3{1, 0, 0})) << "cross(n, t) * w";
+  take_to_world(Transform(scaling({-2, 1, 1})), false, 0, s);
+  EXPECT_EQ(s.tangent, (Vec3{0, 1, 0}));
+  EXPECT_EQ(s.bitangent, (Vec3{-2, 0, 0})) << "mirrored with the picture";
 }
 
 TEST(Sphere, MeetsNearThenFarSide) {

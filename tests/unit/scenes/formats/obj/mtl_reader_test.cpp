@@ -23,9 +23,14 @@ v1::Classic classic(const std::string& body) {
   return read("newmtl m\n" + body, warnings).at("m").classic();
 }
 
+/// What is said of the one statement that is left out.
 std::string mtl_error(const std::string& text) {
   Warnings warnings;
-  return error_of([&] { read(text, warnings); });
+  read(text, warnings);
+  const std::vector<std::string> list = warnings.list("t.mtl");
+  const std::string all = list.size() == 1 ? list[0] : testing::PrintToString(list);
+  const std::string end = "; the statement is left out";
+  return all.ends_with(end) ? all.substr(0, all.size() - end.size()) : all;
 }
 
 TEST(Mtl, AByteOrderMarkIsNoPartOfTheFirstWord) {
@@ -210,6 +215,29 @@ TEST(Mtl, SaysWhereAndWhatIsWrong) {
             "t.mtl:2:16: 'q'; expected a channel: r, g, b, m, l or z");
   EXPECT_EQ(mtl_error("newmtl a\nNs nan\n"),
             "t.mtl:2:4: 'nan'; expected an exponent that is finite");
+}
+
+TEST(Mtl, AStatementThatCannotBeReadCostsNoOther) {
+  Warnings warnings;
+  const auto materials = read("newmtl a\nKd 0,5 1 1\nKs .1 .2 .3\nnewmtl b\nKd 1 0 0\n", warnings);
+  EXPECT_FLOAT_EQ(materials.at("a").classic().specular().value().g(), .2f);
+  EXPECT_FLOAT_EQ(materials.at("a").classic().diffuse().value().g(), .8f);
+  EXPECT_EQ(materials.at("b").classic().diffuse().value().r(), 1);
+  EXPECT_EQ(warnings.list("t.mtl").size(), 1u);
+}
+
+TEST(Mtl, NumbersThatPrintingRoundedMeanTheSame) {
+  const auto material = [](const std::string& body) {
+    Warnings warnings;
+    return read("newmtl m\n" + body, warnings).at("m");
+  };
+  // Without transparency the picture's alpha means nothing.
+  EXPECT_EQ(material("d 0.9999999\nmap_Kd a.png\n").alpha(), v1::Material::ALPHA_OPAQUE);
+  EXPECT_FALSE(material("Tr 0.0000001\n").classic().has_transparency());
+  EXPECT_EQ(material("Kd 0.0000001 0 0\nmap_Kd a.png\n").classic().diffuse().value().r(), 1);
+  EXPECT_EQ(material("Pr .5\nNi 1.0000001\n").physical().refractive_index(),
+            material("Pr .5\nNi 1\n").physical().refractive_index());
+  EXPECT_EQ(material("illum 5.0000001\nKs 1 1 1\n").classic().reflectivity().value().r(), 1);
 }
 
 }  // namespace

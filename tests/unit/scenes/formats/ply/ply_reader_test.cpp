@@ -179,6 +179,27 @@ TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
   EXPECT_TRUE(read(header("ascii", "element nothing 18446744073709551615\n")).triangles.empty());
 }
 
+TEST(Ply, OneOddValueDoesNotCostTheFile) {
+  const std::string properties = kXyz +
+                                 "property float nx\nproperty float ny\nproperty float nz\n"
+                                 "property float u\nproperty float v\n";
+  const Mesh mesh =
+      read(header("ascii", "element vertex 4\n" + properties + "element face 2\n" + kFace) +
+           "0 0 0 nan 0 1 0 0\n1 0 0 0 0 1 inf 0\n0 1 0 0 0 1 0 1\n1e39 0 0 0 0 1 0 0\n"
+           "3 0 1 2\n3 1 2 3\n");
+  EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(Floats(mesh.normals.begin(), mesh.normals.begin() + 6), (Floats{0, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(Floats(mesh.uvs.begin(), mesh.uvs.begin() + 4), (Floats{0, 0, 0, 0}));
+  EXPECT_EQ(mesh.warnings,
+            (std::vector<std::string>{
+                "t.ply:16:7: 'nan'; expected a finite number that single precision can hold; the "
+                "face's own normal is taken",
+                "t.ply:17:13: 'inf'; expected a finite number that single precision can hold; 0 is "
+                "taken",
+                "t.ply:19:1: '1e39'; expected a finite number that single precision can hold; the "
+                "faces there are left out"}));
+}
+
 TEST(Ply, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("plx\n"), "t.ply:1:1: 'plx'; expected 'ply', as PLY files begin");
   EXPECT_EQ(error("ply\nformat binary 1.0\n"),

@@ -129,6 +129,23 @@ TEST(Stl, FindsManyPointsAgain) {
   EXPECT_EQ(mesh.positions.size() / 3, 6001u);
 }
 
+TEST(Stl, OneOddTriangleDoesNotCostTheFile) {
+  auto triangles = kSquare;
+  triangles.insert(triangles.begin(),
+                   {0, 0, 0, 1, 0, std::numeric_limits<float>::infinity(), 0, 1, 0});
+  const Mesh by_bytes = read(binary("", triangles));
+  EXPECT_EQ(by_bytes.positions, kSquarePoints);
+  EXPECT_EQ(by_bytes.warnings,
+            std::vector<std::string>{"t.stl: triangle 1 of 3: coordinate inf; expected finite "
+                                     "numbers; the triangle is left out"});
+  const Mesh text =
+      read("solid x\n" + facet("0 0 0", "nan nan 0", "0 1 0") + facet("0 0 0", "1 0 0", "1 1 0"));
+  EXPECT_EQ(text.triangles.size(), 3u);
+  EXPECT_EQ(text.warnings, std::vector<std::string>{
+                               "t.stl:5:11: 'nan'; expected a coordinate that single precision "
+                               "can hold; the triangle is left out"});
+}
+
 TEST(Stl, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("hello"),
             "t.stl: neither 'solid' nor the 84 bytes that binary files begin with; expected an STL "

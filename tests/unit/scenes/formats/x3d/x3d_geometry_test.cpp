@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <sstream>
 
 #include "scenes/import/to_affine.h"
 #include "tests/unit/scenes/formats/x3d/x3d_testing.h"
@@ -116,13 +118,16 @@ TEST(X3dGeometry, ExtrusionsEncloseWhatTheySweep) {
 }
 
 TEST(X3dGeometry, AClosedExtrusionIsSmoothAllAround) {
-  std::string circle;
+  std::ostringstream circle;
+  circle.precision(17);
+  // The sine of a whole turn is 0 but for rounding.
   for (int i = 0; i <= 32; ++i) {
-    const double a = -2 * 3.14159265358979 * (i % 32) / 32;
-    circle += std::to_string(std::cos(a)) + " " + std::to_string(std::sin(a)) + ", ";
+    const double a = -2 * std::numbers::pi * i / 32;
+    circle << std::cos(a) << " " << std::sin(a) << ", ";
   }
-  const Mesh tube = mesh_of(
-      "Extrusion { creaseAngle 1 beginCap FALSE endCap FALSE crossSection [ " + circle + "] }");
+  const Mesh tube =
+      mesh_of("Extrusion { creaseAngle 1 beginCap FALSE endCap FALSE crossSection [ " +
+              circle.str() + "] }");
   ASSERT_FALSE(tube.normals.empty());
   for (size_t v = 0; v < tube.normals.size(); v += 3) {
     EXPECT_NEAR(tube.normals[v], tube.positions[v], 1e-3);
