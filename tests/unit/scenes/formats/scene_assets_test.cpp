@@ -38,7 +38,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
 TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
   write("good.obj", kTriangle);
   write("bad.obj", "v 0 0 0\nf 1 2 3\n");
-  write("radius.x3d", "<X3D><Scene><Shape><Sphere radius='-1'/></Shape></Scene></X3D>");
+  write("radius.x3d", "<X3D><Scene><Shape><Sphere radius='x'/></Shape></Scene></X3D>");
   const auto inline_of = [&](const std::string& includes) {
     write("outer.tessera", "includes { file: 'good.obj' }\nincludes { file: 'inner.tessera' }");
     write("inner.tessera", includes);
