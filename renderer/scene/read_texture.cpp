@@ -110,6 +110,10 @@ std::shared_ptr<const ImageTexture> read_image_texture(const Where& where,
   settings.filter = read_filter(in.filter());
   settings.is_srgb = in.encoding() == v1::Texture::Image::ENCODING_SRGB;
   settings.texels_at_corners = in.texels_at_corners();
+  settings.is_associated = in.associated_alpha();
+  if (settings.is_associated && settings.bits == 8) {
+    fail_value(where, "image.associated_alpha", "true for texels of 8 bits", "16 or 32 bits");
+  }
   const BlobData texels = find_texels(where, in, settings, blobs);
   return std::make_shared<ImageTexture>(settings,
                                         std::shared_ptr<const std::byte>(texels, texels->data()));

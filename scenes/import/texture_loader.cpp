@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
+#include <span>
 #include <tuple>
 
 #include "base/digest.h"
 #include "base/error.h"
 #include "scenes/import/mip_levels.h"
 #include "scenes/import/picture_channel.h"
+#include "scenes/import/picture_light.h"
 #include "scenes/import/read_cache.h"
 
 namespace tessera {
@@ -28,6 +32,7 @@ v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wante
   image.set_channels(decoded.channels);
   image.set_bits(decoded.bits);
   const bool is_srgb = wanted.encoding() == v1::Texture::Image::ENCODING_SRGB;
+  image.set_associated_alpha(decoded.meaning.is_associated);
   image.set_levels(wants_levels(wanted) ? add_mip_levels(decoded, is_srgb) : 1);
   image.mutable_texels()->set_size(decoded.texels->size());
   image.mutable_texels()->set_digest(blobs.put(std::move(decoded.texels)).hex());
@@ -37,7 +42,18 @@ v1::Texture::Image store(DecodedTexture decoded, const v1::Texture::Image& wante
 struct StoredTexture {
   v1::Texture::Image image;
   BlobStore blobs;
+  std::vector<std::string> unused_channels;
 };
+
+/// What is told of the channels of a file that no texture shows.
+std::string unused_text(const std::vector<std::string>& channels, const std::string& file) {
+  constexpr size_t kMostTold = 8;
+  const size_t told = std::min(channels.size(), kMostTold);
+  const std::span names(channels.data(), told);
+  return fmt::format(
+      "{} {}{} of '{}'", channels.size() == 1 ? "channel" : "channels", fmt::join(names, ", "),
+      channels.size() > told ? fmt::format(" and {} more", channels.size() - told) : "", file);
+}
 
 std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& assets) {
   auto file = assets.find(texture.image().file());
@@ -53,7 +69,9 @@ std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& ass
 
 void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOptions& options) {
   using Kept = std::optional<PictureChannel>;
-  std::map<std::tuple<std::filesystem::path, int, bool, bool, Kept>, v1::Texture::Image> known;
+  std::map<std::tuple<std::filesystem::path, SampleEncoding, bool, bool, Kept>, v1::Texture::Image>
+      known;
+  std::set<std::filesystem::path> told;
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
     const bool wanted = texture.has_image() && !texture.image().file().empty() &&
                         texture.image().texels().digest().empty();
@@ -67,28 +85,33 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
     const auto channel = loaded.picture_channels.find(texture.name());
     const Kept kept =
         channel == loaded.picture_channels.end() ? std::nullopt : Kept(channel->second);
-    const auto [at, is_new] = known.try_emplace(
-        {file, static_cast<int>(image.encoding()), wants_levels(image), to_srgb, kept});
+    const auto [at, is_new] =
+        known.try_emplace({file, sample_encoding(image), wants_levels(image), to_srgb, kept});
     if (is_new) {
       const auto decode = [&] {
         if (!is_held) InputScope::note(file);
         DecodedTexture decoded = is_held ? options.decode_texture_bytes(held->second, held->first)
                                          : options.decode_texture(file.string(), to_srgb);
         const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
-        if (kept) keep_channel(decoded, *kept, is_srgb);
         StoredTexture stored;
+        stored.unused_channels = decoded.unused_channels;
+        decode_picture(decoded, sample_encoding(image));
+        if (kept) keep_channel(decoded, *kept, is_srgb);
         stored.image = store(std::move(decoded), image, stored.blobs);
         return stored;
       };
       const std::string key =
           fmt::format("texture|{}|{}|{}|{}|{}|{}", is_held ? Digest::of(held->second).hex() : "",
-                      static_cast<int>(image.encoding()), wants_levels(image), to_srgb,
+                      static_cast<int>(sample_encoding(image)), wants_levels(image), to_srgb,
                       kept ? static_cast<int>(*kept) : -1, file.string());
       const auto stored = remembered<StoredTexture>(
           options.cache, key, decode,
           [](const StoredTexture& made) { return made.image.texels().size(); });
       for (const auto& [digest, blob] : stored->blobs.all()) loaded.blobs.put(digest, blob);
       at->second = stored->image;
+      if (!stored->unused_channels.empty() && told.insert(file).second) {
+        loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));
+      }
     }
     image.MergeFrom(at->second);
   }

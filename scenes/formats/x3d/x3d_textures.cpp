@@ -7,6 +7,7 @@
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/data_uri.h"
 #include "scenes/import/mip_levels.h"
+#include "scenes/import/picture_light.h"
 #include "scenes/import/to_affine.h"
 
 namespace tessera {
@@ -128,7 +129,7 @@ std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool i
   if (known != textures_.end()) return known->second;
 
   v1::Texture::Image image;
-  image.set_encoding(is_color ? color_encoding() : v1::Texture::Image::ENCODING_LINEAR);
+  set_integer_encoding(is_color ? color_encoding() : v1::Texture::Image::ENCODING_LINEAR, image);
   set_wrapping(*node, image);
   std::string name = node->type == "PixelTexture" ? pixel_texture(*node, std::move(image))
                                                   : image_texture(values_.strings(*node, "url"),
@@ -254,7 +255,7 @@ std::string X3dTranslator::placeholder_texture() {
   if (!build_.placeholder.empty()) return build_.placeholder;
   v1::Texture texture;
   v1::Texture::Image& image = *texture.mutable_image();
-  image.set_encoding(color_encoding());
+  set_integer_encoding(color_encoding(), image);
   image.set_filter(v1::Texture::Image::NEAREST);
   put_texels(from_bottom_up({2, 2, 3, 0xFF00FF, 0x808080, 0x808080, 0xFF00FF}, 3), image,
              out_.blobs);
@@ -289,7 +290,7 @@ std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image
 std::string X3dTranslator::sky_texture(const X3dNode& node, const std::string& side) {
   const std::string urls = side + "Url";
   v1::Texture::Image image;
-  image.set_encoding(color_encoding());
+  set_integer_encoding(color_encoding(), image);
   image.set_wrap_s(v1::Texture::Image::CLAMP);
   image.set_wrap_t(v1::Texture::Image::CLAMP);
   if (const X3dField* field = node.field(urls)) {

@@ -1,0 +1,69 @@
+#include "scenes/import/picture_light.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "renderer/math/encodings.h"
+#include "scenes/import/mip_levels.h"
+#include "scenes/import/picture_channel.h"
+
+namespace tessera {
+namespace {
+
+template <typename Number>
+DecodedTexture texture(uint32_t width, uint32_t channels, const std::vector<Number>& numbers) {
+  std::vector<std::byte> bytes(numbers.size() * sizeof(Number));
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  const auto texels = static_cast<uint32_t>(numbers.size()) / channels;
+  return {.width = width,
+          .height = texels / width,
+          .channels = channels,
+          .bits = 8 * sizeof(Number),
+          .texels = make_blob(std::move(bytes))};
+}
+
+template <typename Number = float>
+std::vector<Number> numbers(const DecodedTexture& texture) {
+  std::vector<Number> out(texture.texels->size() / sizeof(Number));
+  std::memcpy(out.data(), texture.texels->data(), texture.texels->size());
+  return out;
+}
+
+TEST(PictureLight, codes_of_8_bits_stay_and_all_others_become_light) {
+  DecodedTexture bytes = texture<uint8_t>(1, 3, {188, 128, 64});
+  decode_picture(bytes, SampleEncoding::automatic);
+  EXPECT_EQ(bytes.bits, 8u);
+  DecodedTexture wide = texture<float>(1, 1, {.5f});
+  wide.meaning.from_integers = true;
+  decode_picture(wide, SampleEncoding::automatic);
+  EXPECT_EQ(numbers(wide), std::vector{static_cast<float>(srgb_to_linear(.5))});
+  decode_picture(wide, SampleEncoding::automatic);
+  EXPECT_EQ(numbers(wide), std::vector{static_cast<float>(srgb_to_linear(.5))}) << "once alone";
+  DecodedTexture half = texture<uint16_t>(1, 1, {float_to_half(.5f)});
+  decode_picture(half, SampleEncoding::automatic);
+  EXPECT_EQ(half.bits, 16u);
+  decode_picture(half, SampleEncoding::srgb);
+  EXPECT_EQ(half.bits, 32u);
+  EXPECT_EQ(numbers(half), std::vector{static_cast<float>(srgb_to_linear(.5))});
+}
+
+TEST(PictureLight, levels_of_associated_alpha_are_plain_means) {
+  DecodedTexture picture = texture<float>(2, 2, {1, 1, 0, 0});
+  picture.meaning.is_associated = true;
+  EXPECT_EQ(add_mip_levels(picture, false), 2u);
+  EXPECT_EQ(numbers(picture), (std::vector<float>{1, 1, 0, 0, .5f, .5f}));
+}
+
+TEST(PictureLight, a_channel_of_associated_alpha_is_divided_by_it) {
+  DecodedTexture picture = texture<float>(2, 2, {.25f, .5f, 0, 0});
+  picture.meaning.is_associated = true;
+  keep_channel(picture, PictureChannel::luminance, false);
+  EXPECT_EQ(numbers(picture), (std::vector<float>{.5f, 0}));
+  EXPECT_FALSE(picture.meaning.is_associated);
+}
+
+}  // namespace
+}  // namespace tessera
