@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -30,16 +31,20 @@ SampleEncoding encoding_of(const std::string& name) {
                             : SampleEncoding::automatic;
 }
 
-/// The picture in a file, whose uint8 are as the file has them and whose floats are light, and
-/// whether its colours are multiplied by alpha. `encoding`: as ImageTexture has it; empty: none.
-std::pair<Array, bool> read_texture(const std::string& path, const std::string& encoding) {
-  const DecodedTexture decoded =
+/// The picture in a file, whose uint8 are as the file has them and whose floats are light, whether
+/// its colours are multiplied by alpha, and what to warn of. `encoding`: as ImageTexture has it;
+/// empty: none.
+std::tuple<Array, bool, std::string> read_texture(const std::string& path,
+                                                  const std::string& encoding) {
+  const auto [decoded, warning] =
       run_abandonably([path, encoding = encoding_of(encoding)](const std::atomic<bool>&) {
         DecodedTexture read = decode_texture(path, false);
+        std::string warning = mend_numbers(read);
         decode_picture(read, encoding);
-        return read;
+        return std::pair(std::move(read), std::move(warning));
       });
-  return {array_of(decoded), decoded.meaning.is_associated};
+  return {array_of(decoded), decoded.meaning.is_associated,
+          warning.empty() ? "" : path + ": " + warning};
 }
 
 /// Texels (h, w) or (h, w, c).

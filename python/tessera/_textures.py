@@ -2,15 +2,16 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import NoReturn, Optional, Union
 
 from . import _core, _messages
-from .errors import MissingFile
+from .errors import MissingFile, SceneWarning
 from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
 from ._options import plain_text
 from ._transforms import Transform
 from ._types import ArrayLike, Path
-from ._value import here
+from ._value import here, level_of_caller
 
 
 class ImageTexture(_messages.ImageTexture):
@@ -47,7 +48,9 @@ class ImageTexture(_messages.ImageTexture):
             self.file = plain_text("picture", picture)
             if not os.path.exists(self.file):
                 raise MissingFile.of(self.file, "a picture")
-            texels, is_associated = _core.read_texture(self.file, encoding or "")
+            texels, is_associated, warning = _core.read_texture(self.file, encoding or "")
+            if warning:
+                warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
             if is_associated:
                 self.associated_alpha = True
             self._take(texels, encoding)

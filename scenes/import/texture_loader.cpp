@@ -15,6 +15,7 @@
 #include "scenes/import/picture_channel.h"
 #include "scenes/import/picture_light.h"
 #include "scenes/import/read_cache.h"
+#include "scenes/import/warnings.h"
 
 namespace tessera {
 namespace {
@@ -43,6 +44,7 @@ struct StoredTexture {
   v1::Texture::Image image;
   BlobStore blobs;
   std::vector<std::string> unused_channels;
+  std::string warning;  ///< empty: none
 };
 
 /// What is told of the channels of a file that no texture shows.
@@ -95,6 +97,7 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
         const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
         StoredTexture stored;
         stored.unused_channels = decoded.unused_channels;
+        stored.warning = mend_numbers(decoded);
         decode_picture(decoded, sample_encoding(image));
         if (kept) keep_channel(decoded, *kept, is_srgb);
         stored.image = store(std::move(decoded), image, stored.blobs);
@@ -109,8 +112,11 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
           [](const StoredTexture& made) { return made.image.texels().size(); });
       for (const auto& [digest, blob] : stored->blobs.all()) loaded.blobs.put(digest, blob);
       at->second = stored->image;
-      if (!stored->unused_channels.empty() && told.insert(file).second) {
-        loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));
+      if (told.insert(file).second) {
+        if (!stored->warning.empty()) add_warning(loaded, file.string(), stored->warning);
+        if (!stored->unused_channels.empty()) {
+          loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));
+        }
       }
     }
     image.MergeFrom(at->second);

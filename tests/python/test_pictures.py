@@ -250,6 +250,19 @@ def test_floats_are_codes_where_they_are_said_to_be(tmp_path, stored_pictures):
         assert np.asarray(ts.ImageTexture(picture, encoding="linear").texels)[0] == .5
 
 
+def test_numbers_that_are_not_finite_are_told_with_their_place(tmp_path, stored_pictures):
+    channel = lambda x, y: float("inf") if (x, y) == (1, 0) else 1
+    (tmp_path / "a.exr").write_bytes(stored_pictures.exr({"Y": channel}))
+    with pytest.warns(ts.SceneWarning, match="a.exr: pixel 1,0 has the number inf and is read as 65504"):
+        texture = ts.ImageTexture(tmp_path / "a.exr", filter="nearest")
+    assert np.asarray(texture.texels).ravel().tolist() == [1, 65504, 1, 1]
+    array = np.ones((3, 4, 3), "f4")
+    array[2, 1, 0] = np.nan
+    scene = ts.Scene(background=ts.Background(panorama=ts.BackgroundPanorama(ts.ImageTexture(array))))
+    with pytest.raises(ts.SceneError, match="image.texels is infinite or no number at pixel 1,2"):
+        ts.render(scene, workers=0, size=(4, 4))
+
+
 def test_a_picture_that_is_missing():
     for call in (ts.read_image, lambda path: ts.compare(path, path)):
         with pytest.raises(ts.MissingFile, match="^nope.png: there is no such file; expected a picture") as told:

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "renderer/math/encodings.h"
@@ -63,6 +64,22 @@ TEST(PictureLight, a_channel_of_associated_alpha_is_divided_by_it) {
   keep_channel(picture, PictureChannel::luminance, false);
   EXPECT_EQ(numbers(picture), (std::vector<float>{.5f, 0}));
   EXPECT_FALSE(picture.meaning.is_associated);
+}
+
+TEST(PictureLight, numbers_that_are_not_finite_are_mended_with_their_place) {
+  constexpr float kEndless = std::numeric_limits<float>::infinity();
+  DecodedTexture picture =
+      texture<float>(2, 3, {1, 2, 3, 4, 5, 6, 7, kEndless, 9, 1, NAN, -kEndless});
+  EXPECT_EQ(
+      mend_numbers(picture),
+      "pixel 0,1 has the number inf and is read as 65504, like 2 more numbers; expected finite "
+      "numbers");
+  EXPECT_EQ(numbers(picture), (std::vector<float>{1, 2, 3, 4, 5, 6, 7, 65504, 9, 1, 0, -65504}));
+  EXPECT_EQ(mend_numbers(picture), "");
+  DecodedTexture half = texture<uint16_t>(3, 1, {0x3c00, 0x7bff, 0x7e01});
+  EXPECT_EQ(mend_numbers(half),
+            "pixel 2,0 has the number nan and is read as 0; expected finite numbers");
+  EXPECT_EQ(numbers<uint16_t>(half), (std::vector<uint16_t>{0x3c00, 0x7bff, 0}));
 }
 
 }  // namespace
