@@ -57,8 +57,18 @@ std::string unused_text(const std::vector<std::string>& channels, const std::str
       channels.size() > told ? fmt::format(" and {} more", channels.size() - told) : "", file);
 }
 
-std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& assets) {
-  auto file = assets.find(texture.image().file());
+/// Tells of a file that was taken for another, once.
+void add_note(const std::string& note, const std::string& texture, LoadedScene& loaded) {
+  const std::string line = fmt::format("texture '{}': {}", texture, note);
+  const auto& told = loaded.warnings;
+  if (std::find(told.begin(), told.end(), line) != told.end()) return;
+  add_warning(loaded, fmt::format("texture '{}'", texture), note);
+}
+
+std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& assets,
+                              LoadedScene& loaded) {
+  auto [file, note] = assets.find_asset(texture.image().file());
+  if (!note.empty()) add_note(note, texture.name(), loaded);
   if (!file)
     throw scene_error({assets.root.string()},
                       fmt::format("texture '{}' names the file '{}', which is not inside {}",
@@ -82,7 +92,8 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
     const auto held = loaded.pictures.find(image.file());
     const bool is_held = held != loaded.pictures.end();
     if (is_held ? !options.decode_texture_bytes : !options.decode_texture) continue;
-    const auto file = is_held ? std::filesystem::path(image.file()) : file_of(texture, assets);
+    const auto file =
+        is_held ? std::filesystem::path(image.file()) : file_of(texture, assets, loaded);
     const bool to_srgb = loaded.profiled_pictures.contains(image.file());
     const auto channel = loaded.picture_channels.find(texture.name());
     const Kept kept =

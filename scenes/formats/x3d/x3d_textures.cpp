@@ -178,13 +178,13 @@ std::string X3dTranslator::add_texture(v1::Texture texture, const std::string& w
   return texture.name();
 }
 
-/// Why the URL names no picture; else "", with what Image.file calls it in `file`.
-std::string X3dTranslator::check_picture(const std::string& url, std::string& file,
-                                         bool& is_damaged) {
+/// Why the URL names no picture; else "", with what Image.file calls it in `out`. `takes_others`:
+/// another file may be taken for it.
+std::string X3dTranslator::check_picture(const std::string& url, bool takes_others, Picture& out) {
   const PictureCheck& check = build_.options.check_picture;
   const auto known = build_.data_pictures.find(url);
   if (known != build_.data_pictures.end()) {
-    file = known->second;
+    out.file = known->second;
     return "";
   }
   std::string problem;
@@ -196,31 +196,37 @@ std::string X3dTranslator::check_picture(const std::string& url, std::string& fi
         "{}#picture {}", to_utf8(document_.name().substr(document_.name().rfind('/') + 1)),
         out_.pictures.size() + 1);
     if (problem.empty() && check) problem = check(name, &data->bytes);
-    is_damaged |= !problem.empty();
+    out.is_damaged |= !problem.empty();
     if (!problem.empty()) return problem;
     out_.pictures[name] = std::move(data->bytes);
-    file = build_.data_pictures[url] = name;
+    out.file = build_.data_pictures[url] = name;
     return "";
   }
   if (!build_.files.has_folder()) {
-    file = url;
+    out.file = url;
     return "";
   }
-  const X3dFiles::Found found = build_.files.find(url, folder_);
+  const X3dFiles& files = build_.files;
+  const X3dFiles::Found found =
+      takes_others ? files.find_picture(url, folder_) : files.find(url, folder_);
   if (found.file.empty()) return found.reason;
   if (check) problem = check(build_.files.full(found.file), nullptr);
-  is_damaged |= !problem.empty();
-  if (problem.empty()) file = found.file;
+  out.is_damaged |= !problem.empty();
+  if (problem.empty()) out.file = found.file, out.note = found.note;
   return problem;
 }
 
 X3dTranslator::Picture X3dTranslator::find_picture(const std::vector<std::string>& urls) {
   Picture out;
   for (const std::string& url : urls) {
-    const std::string reason = check_picture(url, out.file, out.is_damaged);
-    if (reason.empty()) break;
+    const std::string reason = check_picture(url, false, out);
+    if (reason.empty()) return out;
     out.reasons +=
         fmt::format("{}'{}': {}", out.reasons.empty() ? "" : "; ", X3dFiles::shown(url), reason);
+  }
+  for (const std::string& url : urls) {
+    Picture other;
+    if (check_picture(url, true, other).empty()) return other;
   }
   return out;
 }
@@ -244,6 +250,7 @@ std::string X3dTranslator::picture_texture(const Picture& picture, v1::Texture::
   if (picture.is_damaged)
     values_.warn(
         offset, fmt::format("the picture is '{}', not {}", to_utf8(picture.file), picture.reasons));
+  if (!picture.note.empty()) values_.warn(offset, fmt::format("the picture {}", picture.note));
   v1::Texture texture;
   image.set_file(picture.file);
   *texture.mutable_image() = std::move(image);
