@@ -151,7 +151,7 @@ Reference converged_reference(const v1::Scene& scene, const BlobStore& blobs, ui
 
 Picture read_picture(const std::string& path) {
   const FloatImage image = read_image(path);
-  return {image.width, image.height, light_of(image)};
+  return {image.width, image.height, linear_light(image)};
 }
 
 }  // namespace tessera

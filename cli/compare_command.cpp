@@ -68,7 +68,8 @@ void check_comparable(const CompareOptions& options, const FloatImage& a, const 
 }
 
 void print_metrics(const FloatImage& a, const FloatImage& b) {
-  const Picture first{a.width, a.height, light_of(a)}, second{b.width, b.height, light_of(b)};
+  const Picture first{a.width, a.height, linear_light(a)},
+      second{b.width, b.height, linear_light(b)};
   const PictureError e = picture_error(first, second);
   say("linear rmse       {:.9g}\n", e.rmse);
   say("relMSE            {:.9g}, {:.9g} without the worst thousandth\n", e.rel_mse,

@@ -202,7 +202,7 @@ py::tuple read_file(const std::string& path) {
 /// Red, green and blue of a picture in a file as linear light.
 Array read_light(const std::string& path) {
   const FloatImage image = run_abandonably([path](StopFlag) { return read_image(path); });
-  return {light_of(image), {image.height, image.width, 3}};
+  return {linear_light(image), {image.height, image.width, 3}};
 }
 
 /// How far the light of one picture is from that of another of the same size, the reference.

@@ -39,9 +39,9 @@ std::tuple<Array, bool, std::string> read_texture(const std::string& path,
   const auto [decoded, warning] =
       run_abandonably([path, encoding = encoding_of(encoding)](const std::atomic<bool>&) {
         DecodedTexture read = decode_texture(path, false);
-        std::string warning = mend_numbers(read);
+        std::string told = mend_numbers(read);
         decode_picture(read, encoding);
-        return std::pair(std::move(read), std::move(warning));
+        return std::pair(std::move(read), std::move(told));
       });
   return {array_of(decoded), decoded.meaning.is_associated,
           warning.empty() ? "" : path + ": " + warning};

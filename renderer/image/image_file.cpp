@@ -299,7 +299,7 @@ FloatImage read_image(const fs::path& path) {
   return image;
 }
 
-std::vector<float> light_of(const FloatImage& image) {
+std::vector<float> linear_light(const FloatImage& image) {
   const ColorChannels used = color_channels_of(image.channels);
   const auto order = used.in_order();
   const size_t pixels = image.values.size() / image.channels.size();

@@ -36,7 +36,7 @@ struct FloatImage {
 
 /// Red, green and blue of the picture as linear light, colours multiplied by alpha where the file
 /// has them so.
-std::vector<float> light_of(const FloatImage& image);
+std::vector<float> linear_light(const FloatImage& image);
 
 /// The colour and coverage of a picture (color_channels_of()) as textures hold them: rows from the
 /// top, tightly packed, numbers as the file has them.
