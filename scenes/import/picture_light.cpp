@@ -103,7 +103,7 @@ std::string mend_numbers(DecodedTexture& picture) {
   const size_t pixel = first / picture.channels;
   return fmt::format("pixel {},{} has the number {} and is read as {}{}; expected finite numbers",
                      pixel % picture.width, pixel / picture.width, first_value, mended(first_value),
-                     count == 1 ? "" : fmt::format(", like {} more", counted(count - 1, "number")));
+                     count == 1 ? "" : fmt::format(", like {}", counted(count - 1, "more number")));
 }
 
 }  // namespace tessera

@@ -168,7 +168,7 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
   check("b.x3d",
         "<X3D><Scene><Shape><Appearance><ImageTexture url='\"/x/wood.png\"'/>"
         "</Appearance><Sphere/></Shape></Scene></X3D>",
-        "wood.png", "b.x3d:1:40: the picture '/x/wood.png' is not there; 'wood.png' is taken");
+        "wood.png", "b.x3d:1:33: the picture '/x/wood.png' is not there; 'wood.png' is taken");
 }
 
 TEST_F(ReadScene, FindsMaterialLibrariesByName) {
