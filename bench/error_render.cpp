@@ -151,20 +151,7 @@ Reference converged_reference(const v1::Scene& scene, const BlobStore& blobs, ui
 
 Picture read_picture(const std::string& path) {
   const FloatImage image = read_image(path);
-  Picture out{image.width, image.height, {}};
-  std::vector<size_t> channels;
-  for (const char* name : {"R", "G", "B"}) {
-    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
-    if (found == image.channels.end())
-      throw scene_error(fmt::format("{}: its channels are {}; expected R, G and B among them", path,
-                                    fmt::join(image.channels, ", ")));
-    channels.push_back(static_cast<size_t>(found - image.channels.begin()));
-  }
-  out.values.reserve(3 * out.pixels());
-  for (size_t pixel = 0; pixel < out.pixels(); ++pixel)
-    for (const size_t channel : channels)
-      out.values.push_back(image.values[pixel * image.channels.size() + channel]);
-  return out;
+  return {image.width, image.height, linear_light(image)};
 }
 
 }  // namespace tessera

@@ -15,7 +15,6 @@
 #include "cli/say.h"
 #include "front/option_values.h"
 #include "renderer/image/image_file.h"
-#include "renderer/math/encodings.h"
 
 namespace tessera {
 namespace {
@@ -68,32 +67,9 @@ void check_comparable(const CompareOptions& options, const FloatImage& a, const 
   }
 }
 
-/// Red, green and blue as linear light; files of whole numbers hold sRGB.
-Picture linear_picture(const FloatImage& image, const std::string& path) {
-  std::vector<size_t> channels;
-  for (const char* name : {"R", "G", "B"}) {
-    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
-    if (found == image.channels.end()) {
-      throw scene_error(fmt::format("{}: its channels are {}; --metrics expects R, G and B", path,
-                                    fmt::join(image.channels, ", ")));
-    }
-    channels.push_back(static_cast<size_t>(found - image.channels.begin()));
-  }
-  Picture out{image.width, image.height, {}};
-  out.values.reserve(3 * out.pixels());
-  for (size_t pixel = 0; pixel < out.pixels(); ++pixel) {
-    for (const size_t channel : channels) {
-      const float value = image.values[pixel * image.channels.size() + channel];
-      out.values.push_back(image.is_float ? value
-                                          : static_cast<float>(srgb_to_linear(double{value})));
-    }
-  }
-  return out;
-}
-
-void print_metrics(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
-  const Picture first = linear_picture(a, options.first),
-                second = linear_picture(b, options.second);
+void print_metrics(const FloatImage& a, const FloatImage& b) {
+  const Picture first{a.width, a.height, linear_light(a)},
+      second{b.width, b.height, linear_light(b)};
   const PictureError e = picture_error(first, second);
   say("linear rmse       {:.9g}\n", e.rmse);
   say("relMSE            {:.9g}, {:.9g} without the worst thousandth\n", e.rel_mse,
@@ -131,7 +107,7 @@ ExitCode compare(const CompareOptions& options) {
     print_where(a, b, d);
     print_channels(a.channels, d.greatest_of);
   }
-  if (options.metrics) print_metrics(options, a, b);
+  if (options.metrics) print_metrics(a, b);
   if (d.pixels_beyond == 0) return ExitCode::done;
   say("{} by more than {}\n",
       d.pixels_beyond == 1 ? "1 pixel differs" : fmt::format("{} pixels differ", d.pixels_beyond),

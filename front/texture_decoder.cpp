@@ -10,7 +10,9 @@ DecodedTexture as_texture(TextureImage picture) {
           .height = picture.height,
           .channels = picture.channels,
           .bits = picture.bits,
-          .texels = std::move(picture.texels)};
+          .texels = std::move(picture.texels),
+          .meaning = picture.meaning,
+          .unused_channels = std::move(picture.unused_channels)};
 }
 
 }  // namespace

@@ -196,7 +196,13 @@ py::tuple read_file(const std::string& path) {
   const auto channels = static_cast<py::ssize_t>(image.channels.size());
   return py::make_tuple(image.channels,
                         Array(std::move(image.values), {image.height, image.width, channels}),
-                        image.is_float);
+                        !image.meaning.from_integers);
+}
+
+/// Red, green and blue of a picture in a file as linear light.
+Array read_light(const std::string& path) {
+  const FloatImage image = run_abandonably([path](StopFlag) { return read_image(path); });
+  return {linear_light(image), {image.height, image.width, 3}};
 }
 
 /// How far the light of one picture is from that of another of the same size, the reference.
@@ -302,6 +308,7 @@ void bind_picture(py::module_& module) {
   module.def("linear_of_srgb", &linear_of_srgb);
   module.def("picture_from_values", &from_values);
   module.def("read_picture", &read_file);
+  module.def("read_light", &read_light);
   module.def("compare", &compare);
 }
 

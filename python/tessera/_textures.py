@@ -2,22 +2,25 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import NoReturn, Optional, Union
 
 from . import _core, _messages
-from .errors import MissingFile
+from .errors import MissingFile, SceneWarning
 from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
 from ._options import plain_text
 from ._transforms import Transform
 from ._types import ArrayLike, Path
-from ._value import here
+from ._value import here, level_of_caller
 
 
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
     file, which is read here and now. Smaller levels for the trilinear filter are made of it.
 
-    `wrap` is both `wrap_s` and `wrap_t`. Where `encoding` is left out, floats are "linear".
+    `wrap` is both `wrap_s` and `wrap_t`. Where `encoding` is left out, integers of any depth are
+    codes in sRGB and floats are linear light. `associated_alpha`: the colours of a given array are
+    multiplied by alpha; a file tells itself.
     """
 
     __slots__ = ()
@@ -28,7 +31,8 @@ class ImageTexture(_messages.ImageTexture):
                  filter: Optional[ImageTextureFilter] = None,
                  wrap_s: Optional[ImageTextureWrap] = None,
                  wrap_t: Optional[ImageTextureWrap] = None,
-                 texels_at_corners: Optional[bool] = None, name: Optional[str] = None,
+                 texels_at_corners: Optional[bool] = None,
+                 associated_alpha: Optional[bool] = None, name: Optional[str] = None,
                  mapping: Optional[TextureMapping] = None, transform: Optional[Transform] = None,
                  texels: Optional[ArrayLike] = None, width: Optional[int] = None,
                  height: Optional[int] = None, channels: Optional[int] = None,
@@ -37,16 +41,24 @@ class ImageTexture(_messages.ImageTexture):
         super().__init__(texels=texels, width=width, height=height, channels=channels, bits=bits,
                          levels=levels, wrap_s=wrap_s or wrap, wrap_t=wrap_t or wrap,
                          encoding=encoding, filter=filter, file=file,
-                         texels_at_corners=texels_at_corners, name=name, mapping=mapping,
-                         transform=transform, **unknown)
+                         texels_at_corners=texels_at_corners, associated_alpha=associated_alpha,
+                         name=name, mapping=mapping, transform=transform, **unknown)
         self._place = here()
         if isinstance(picture, (str, os.PathLike)):
             self.file = plain_text("picture", picture)
             if not os.path.exists(self.file):
                 raise MissingFile.of(self.file, "a picture")
-            self._take(_core.read_texture(self.file), encoding)
+            texels, is_associated, warning = _core.read_texture(self.file, encoding or "")
+            if warning:
+                warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
+            if is_associated:
+                self.associated_alpha = True
+            self._take(texels, encoding)
         elif picture is not None:
-            self._take(_core.take_array(picture, "texels"), encoding)
+            texels = _core.take_array(picture, "texels")
+            if encoding == "srgb":
+                texels = _core.light_of_texels(texels, bool(associated_alpha))
+            self._take(texels, encoding)
 
     def _take(self, texels: _core.Array, encoding: Optional[str]) -> None:
         shape = texels.shape
@@ -59,7 +71,8 @@ class ImageTexture(_messages.ImageTexture):
             self.encoding = "linear"
         wants_levels = self.filter in (None, "trilinear") and not self.texels_at_corners
         if wants_levels:
-            texels, self.levels = _core.with_mip_levels(texels, self.encoding != "linear")
+            texels, self.levels = _core.with_mip_levels(texels, self.encoding != "linear",
+                                                        bool(self.associated_alpha))
         self.texels = texels
 
 

@@ -268,17 +268,10 @@ def read_image(path: Path) -> Image:
 
     Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and
     SceneError for a file that holds no picture."""
-    import numpy
     name = file_name(path)
     if not os.path.exists(name):
         raise MissingFile.of(os.fsdecode(name), "a picture")
-    names, array, is_linear = _core.read_picture(name)
-    values = numpy.asarray(array)
-    if {"R", "G", "B"} <= set(names):
-        values = values[:, :, [names.index(name) for name in "RGB"]]
-    else:
-        values = values[:, :, :1].repeat(3, axis=2)
-    return Image.from_array(values, linear=is_linear)
+    return Image.from_array(as_ndarray(_core.read_light(name)), linear=True)
 
 
 def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:

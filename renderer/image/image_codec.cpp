@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -52,16 +53,26 @@ std::string color_configuration() {
 /// Whether the reply is of a size that such an answer may have.
 bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
   constexpr uint64_t kLongestCause = 64 * 1024;
+  if (reply.names_bytes > (reply.done && request.decodes() ? PixelLayout::kLongestNames : 0))
+    return false;
   if (!reply.done) return !reply.is_shared && reply.payload_bytes <= kLongestCause;
   if (request.call == ImageRequest::encode) {
     return reply.payload_bytes <= most_encoded_bytes(request.layout.bytes());
   }
   if (request.call == ImageRequest::decode_all) {
     return reply.layout.is_legal(PixelLayout::kMostChannels) && reply.layout.bits == 32 &&
-           reply.payload_bytes >= reply.layout.bytes() &&
-           reply.payload_bytes - reply.layout.bytes() <= PixelLayout::kLongestNames;
+           reply.payload_bytes == reply.layout.bytes();
   }
   return reply.layout.is_legal() && reply.layout.bytes() == reply.payload_bytes;
+}
+
+std::vector<std::string> split_names(std::string_view all) {
+  std::vector<std::string> names;
+  while (!all.empty()) {
+    names.emplace_back(all.substr(0, all.find('\0')));
+    all.remove_prefix(std::min(all.size(), names.back().size() + 1));
+  }
+  return names;
 }
 
 }  // namespace
@@ -149,10 +160,11 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   OwnedDescriptor memory(descriptor);
   if (!came || !is_plausible(request, reply)) return std::nullopt;
   tell_sandbox(reply);
+  const SampleMeaning meaning{reply.from_integers != 0, reply.is_associated != 0};
   if (reply.is_shared) {
     BlobData shared = Blob::map_sealed(std::move(memory), reply.payload_bytes);
     if (!shared) return std::nullopt;
-    return Answer{reply.layout, std::move(shared)};
+    return Answer{reply.layout, std::move(shared), meaning};
   }
   std::vector<std::byte> payload(reply.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return std::nullopt;
@@ -160,7 +172,9 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
     throw Refusal(ExitCode::render_failed,
                   std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
   }
-  return Answer{reply.layout, make_blob(std::move(payload))};
+  std::string names(reply.names_bytes, 0);
+  if (!channel.receive_bytes(names.data(), names.size())) return std::nullopt;
+  return Answer{reply.layout, make_blob(std::move(payload)), meaning, split_names(names)};
 }
 
 void ImageCodec::tell_sandbox(const ImageReply& reply) {

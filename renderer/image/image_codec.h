@@ -6,12 +6,14 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/blob.h"
 #include "base/error.h"
 #include "base/owned_descriptor.h"
 #include "renderer/image/channel/image_channel.h"
 #include "renderer/image/channel/sealed_memory.h"
+#include "renderer/math/stored_samples.h"
 
 namespace tessera {
 
@@ -34,6 +36,8 @@ class ImageCodec {
   struct Answer {
     PixelLayout layout;
     BlobData payload;
+    SampleMeaning meaning{};           ///< of what was decoded
+    std::vector<std::string> names{};  ///< of channels
   };
   /// What the codec answers in place of what it was asked for: its cause, as a render error.
   struct Refusal : Error {

@@ -199,7 +199,9 @@ TextureImage as_texture(ImageCodec::Answer answer) {
           .height = static_cast<uint32_t>(answer.layout.height),
           .channels = static_cast<uint32_t>(answer.layout.channels),
           .bits = static_cast<uint32_t>(answer.layout.bits),
-          .texels = std::move(answer.payload)};
+          .texels = std::move(answer.payload),
+          .meaning = answer.meaning,
+          .unused_channels = std::move(answer.names)};
 }
 
 }  // namespace
@@ -286,17 +288,39 @@ void write_image(const fs::path& path, const Film& film, const OutputSettings& s
 FloatImage read_image(const fs::path& path) {
   const ImageCodec::Answer answer =
       decode(ImageRequest::decode_all, path.string(), read_bytes(path.string()));
-  FloatImage image{
-      .width = answer.layout.width, .height = answer.layout.height, .channels = {}, .values = {}};
+  FloatImage image{.width = answer.layout.width,
+                   .height = answer.layout.height,
+                   .channels = answer.names,
+                   .values = {},
+                   .meaning = answer.meaning};
   image.values.resize(answer.layout.bytes() / sizeof(float));
   std::memcpy(image.values.data(), answer.payload->data(), answer.layout.bytes());
-  std::string_view names = as_text(*answer.payload).substr(answer.layout.bytes());
-  for (int i = 0; i < answer.layout.channels; ++i) {
-    image.channels.emplace_back(names.substr(0, names.find('\0')));
-    names.remove_prefix(std::min(names.size(), image.channels.back().size() + 1));
-  }
-  image.is_float = names == ImageRequest::kFloats;
+  image.channels.resize(static_cast<size_t>(answer.layout.channels));
   return image;
+}
+
+std::vector<float> linear_light(const FloatImage& image) {
+  const ColorChannels used = color_channels_of(image.channels);
+  const auto order = used.in_order();
+  const size_t pixels = image.values.size() / image.channels.size();
+  std::vector<float> colors(pixels * order.size());
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (!order[i]) continue;
+      colors[pixel * order.size() + i] = image.values[pixel * image.channels.size() + *order[i]];
+    }
+  }
+  const auto count = used.count();
+  if (used.kind == ColorChannels::Kind::luminance_chroma) luminance_chroma_to_rgb(colors, count);
+  decode_samples(colors, count, image.meaning, SampleEncoding::automatic);
+  std::vector<float> light(3 * pixels);
+  for (size_t pixel = 0; pixel < pixels; ++pixel) {
+    for (size_t i = 0; i < 3; ++i) {
+      light[3 * pixel + i] =
+          colors[pixel * count + (used.kind == ColorChannels::Kind::grey ? 0 : i)];
+    }
+  }
+  return light;
 }
 
 TextureImage read_texture_image(const fs::path& path, bool to_srgb) {

@@ -9,6 +9,7 @@
 #include "base/blob.h"
 #include "renderer/film/film.h"
 #include "renderer/film/tone_map.h"
+#include "renderer/math/stored_samples.h"
 
 namespace tessera {
 
@@ -25,22 +26,27 @@ struct ImageMetadata {
 };
 
 /// A picture read back: rows from the top, for each pixel a float of each channel, numbers as the
-/// file has them (integers divided by their largest value, no transfer curve undone, alpha not
-/// multiplied in).
+/// file has them (integers divided by their largest value, no transfer curve undone).
 struct FloatImage {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< their names, at least one
   std::vector<float> values;
-  bool is_float = false;  ///< the file holds floats, which are light; integers are codes in sRGB
+  SampleMeaning meaning{};  ///< of its colours
 };
 
-/// A picture as a texture holds it: rows from the top, tightly packed, numbers as the file has
-/// them, alpha not multiplied in.
+/// Red, green and blue of the picture as linear light, colours multiplied by alpha where the file
+/// has them so.
+std::vector<float> linear_light(const FloatImage& image);
+
+/// The colour and coverage of a picture (color_channels_of()) as textures hold them: rows from the
+/// top, tightly packed, numbers as the file has them.
 struct TextureImage {
   uint32_t width = 0, height = 0;
   uint32_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
-  uint32_t bits = 0;      ///< 8, 16 (half float) or 32 (float)
+  uint32_t bits = 0;      ///< 8, 16 (half float) or 32 (float, or an integer by its largest value)
   BlobData texels;
+  SampleMeaning meaning{};
+  std::vector<std::string> unused_channels{};  ///< names of the file's other channels
 };
 
 /// Starts what `path` will be encoded by (ImageCodec) without waiting for it. May be called from
@@ -80,8 +86,8 @@ std::string encode_image(const std::filesystem::path& path, const Film& film,
 /// All channels of the first picture in a file, whose format its content tells (image_format.h),
 /// not its name. Throws a scene error.
 FloatImage read_image(const std::filesystem::path& path);
-/// At most its first four channels, without loss. Throws a scene error. `to_srgb`: colours of 8
-/// bits are taken from an embedded colour profile to sRGB.
+/// Its colour and coverage, without loss; of OpenEXR the display window. Throws a scene error.
+/// `to_srgb`: colours of 8 bits are taken from an embedded colour profile to sRGB.
 TextureImage read_texture_image(const std::filesystem::path& path, bool to_srgb = false);
 /// The same of a file in memory, which errors call `name`.
 TextureImage decode_texture_image(const std::string& name, std::string_view file);

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <span>
+#include <string>
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "renderer/math/encodings.h"
 #include "renderer/scene/read_transform.h"
 
 namespace tessera {
@@ -65,19 +69,34 @@ ImageTextureSettings read_layout(const Where& where, const v1::Texture::Image& i
   return out;
 }
 
-/// Whether every number of `bits` bits is finite.
-bool all_finite(std::span<const std::byte> texels, uint32_t bits) {
-  for (size_t i = 0; bits == 16 && i + 1 < texels.size(); i += 2) {
+/// The index of the first number of `bits` bits that is not finite.
+std::optional<size_t> first_not_finite(std::span<const std::byte> texels, uint32_t bits) {
+  for (size_t i = 0; bits == 16 && i < texels.size() / 2; ++i) {
     uint16_t half;
-    std::memcpy(&half, &texels[i], sizeof half);
-    if ((half & 0x7c00) == 0x7c00) return false;
+    std::memcpy(&half, &texels[2 * i], sizeof half);
+    if (!is_finite_half(half)) return i;
   }
-  for (size_t i = 0; bits == 32 && i + 3 < texels.size(); i += 4) {
+  for (size_t i = 0; bits == 32 && i < texels.size() / 4; ++i) {
     float value;
-    std::memcpy(&value, &texels[i], sizeof value);
-    if (!std::isfinite(value)) return false;
+    std::memcpy(&value, &texels[4 * i], sizeof value);
+    if (!std::isfinite(value)) return i;
   }
-  return true;
+  return std::nullopt;
+}
+
+/// The pixel of the number with that index, the level that it is in, and the file if one is known.
+std::string texel_place(const v1::Texture::Image& in, const ImageTextureSettings& layout,
+                        size_t number) {
+  uint64_t pixel = number / layout.channels, level = 0;
+  uint32_t width = layout.width, height = layout.height;
+  for (; pixel >= uint64_t{width} * height; ++level) {
+    pixel -= uint64_t{width} * height;
+    width = ImageTextureSettings::halved(width);
+    height = ImageTextureSettings::halved(height);
+  }
+  return fmt::format("pixel {},{}{}{}", pixel % width, pixel / width,
+                     level > 0 ? fmt::format(" of level {}", level) : "",
+                     in.file().empty() ? "" : fmt::format(" of '{}'", in.file()));
 }
 
 BlobData find_texels(const Where& where, const v1::Texture::Image& in,
@@ -93,8 +112,10 @@ BlobData find_texels(const Where& where, const v1::Texture::Image& in,
     fail_value(where, "image.texels", fmt::format("{} bytes", texels->size()),
                fmt::format("{}, for its size, channels, bits and levels", layout.bytes()));
   }
-  if (!all_finite(*texels, layout.bits)) {
-    fail_value(where, "image.texels", "infinite or no number in places", "finite numbers");
+  if (const auto number = first_not_finite(*texels, layout.bits)) {
+    fail_value(where, "image.texels",
+               fmt::format("infinite or no number at {}", texel_place(in, layout, *number)),
+               "finite numbers");
   }
   return texels;
 }
@@ -110,6 +131,10 @@ std::shared_ptr<const ImageTexture> read_image_texture(const Where& where,
   settings.filter = read_filter(in.filter());
   settings.is_srgb = in.encoding() == v1::Texture::Image::ENCODING_SRGB;
   settings.texels_at_corners = in.texels_at_corners();
+  settings.is_associated = in.associated_alpha();
+  if (settings.is_associated && settings.bits == 8) {
+    fail_value(where, "image.associated_alpha", "true for texels of 8 bits", "16 or 32 bits");
+  }
   const BlobData texels = find_texels(where, in, settings, blobs);
   return std::make_shared<ImageTexture>(settings,
                                         std::shared_ptr<const std::byte>(texels, texels->data()));

@@ -154,8 +154,17 @@ double log2_of(double v) {
 
 }  // namespace
 
+Texel ImageTexture::straight(const Texel& mean) const {
+  const bool divides = settings_.is_associated && settings_.has_alpha() && mean.alpha > 0;
+  return divides ? Texel{mean.color * (1 / mean.alpha), mean.alpha} : mean;
+}
+
 Texel ImageTexture::lookup(double s, double t) const {
-  return bilinear(levels_.front(), within_reach(s), within_reach(t));
+  return straight(bilinear(levels_.front(), within_reach(s), within_reach(t)));
+}
+
+Color ImageTexture::light(double s, double t) const {
+  return bilinear(levels_.front(), within_reach(s), within_reach(t)).color;
 }
 
 Texel ImageTexture::lookup(double s, double t, const Vec2& a, const Vec2& b) const {
@@ -169,8 +178,8 @@ Texel ImageTexture::lookup(double s, double t, const Vec2& a, const Vec2& b) con
   const bool filters = settings_.filter == ImageTextureSettings::Filter::trilinear;
   // The comparison fails for a patch that is not finite, too.
   if (!filters || levels_.size() == 1 || !(longer > 1) || !(longer < 1e9)) {
-    if (filters && longer >= 1e9) return bilinear(levels_.back(), s, t);
-    return bilinear(levels_.front(), s, t);
+    if (filters && longer >= 1e9) return straight(bilinear(levels_.back(), s, t));
+    return straight(bilinear(levels_.front(), s, t));
   }
   constexpr double kMostProbes = 16;
   const double shorter = std::max(std::min(length_a, length_b), longer / kMostProbes);
@@ -185,7 +194,7 @@ Texel ImageTexture::lookup(double s, double t, const Vec2& a, const Vec2& b) con
     sum.color += probe.color;
     sum.alpha += probe.alpha;
   }
-  return {sum.color * (1.0 / probes), sum.alpha / probes};
+  return straight({sum.color * (1.0 / probes), sum.alpha / probes});
 }
 
 }  // namespace tessera

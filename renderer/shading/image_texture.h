@@ -23,6 +23,7 @@ struct ImageTextureSettings {
   Filter filter = Filter::trilinear;
   bool is_srgb = false;            ///< 8-bit colours are sRGB-encoded; alpha never is
   bool texels_at_corners = false;  ///< texel (i, j) stands for the point (i, j), not its centre
+  bool is_associated = false;      ///< colours are multiplied by alpha
 
   bool has_alpha() const { return channels % 2 == 0; }
   bool has_color() const { return channels >= 3; }
@@ -33,7 +34,7 @@ struct ImageTextureSettings {
 };
 
 struct Texel {
-  Color color;
+  Color color;  ///< not multiplied by alpha
   double alpha = 1;
 };
 
@@ -48,6 +49,9 @@ class ImageTexture {
   /// The finest level at (s, t), s to the right and t downwards from the top left corner, 1 being
   /// the picture's width or height. Bilinear unless the filter says nearest.
   Texel lookup(double s, double t) const;
+  /// The same as light that comes from there, with nothing behind: a colour that is multiplied by
+  /// alpha stays so, any other is taken for that of a picture without alpha.
+  Color light(double s, double t) const;
   /// The mean over a patch around (s, t) that `a` and `b`, in the same units, span: trilinear
   /// look-ups along the longer one at the level of the shorter one (as texture units of graphics
   /// processors do: McCormack et al. 1999), at most 16 of them.
@@ -70,6 +74,8 @@ class ImageTexture {
     uint32_t width, height;
     size_t offset;  ///< bytes
   };
+  /// What look-ups return for a mean of texels.
+  Texel straight(const Texel& mean) const;
   double channel(size_t offset) const;
   Texel texel(const Level& level, int64_t x, int64_t y) const;
   /// As texel() for places that wrapped() gave.

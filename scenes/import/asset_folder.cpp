@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "base/error.h"
 #include "base/file.h"
 
@@ -45,11 +49,43 @@ AssetFolder AssetFolder::from(const fs::path& other) const {
 }
 
 std::optional<fs::path> AssetFolder::find(const std::string& reference) const {
-  if (reference.empty()) return std::nullopt;
+  if (reference.empty() || reference.find('\0') != std::string::npos) return std::nullopt;
+  if (fs::path(reference).is_absolute()) {
+    std::error_code failure;
+    const fs::path whole = fs::weakly_canonical(reference, failure);
+    if (failure || !is_inside(whole, root)) return std::nullopt;
+    return resolve_inside(root, whole.lexically_relative(root).string());
+  }
   const auto near = resolve_inside(root, (folder.lexically_relative(root) / reference).string());
   std::error_code ignored;
   if (!searches_root || (near && (is_input_file(*near) || fs::exists(*near, ignored)))) return near;
   return resolve_inside(root, reference);
+}
+
+AssetFolder::Found AssetFolder::find_asset(const std::string& reference) const {
+  constexpr size_t kMostParts = 16;
+  Found found{find(reference)};
+  if (found.file && is_input_file(*found.file)) return found;
+  std::string path = reference;
+  std::replace(path.begin(), path.end(), '\\', '/');
+  std::vector<std::string> ends;  // from the shortest
+  if (path != reference) ends.push_back(path);
+  for (size_t slash = path.rfind('/'); slash != path.npos && ends.size() < kMostParts;
+       slash = slash > 0 ? path.rfind('/', slash - 1) : path.npos) {
+    ends.push_back(path.substr(slash + 1));
+  }
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const std::string& a, const std::string& b) { return a.size() > b.size(); });
+  for (const std::string& end : ends) {
+    if (end.empty() || end.front() == '/') continue;
+    auto file = find(end);
+    if (!file || !is_input_file(*file)) continue;
+    found.note = fmt::format("'{}' is not there; '{}' is taken for it", reference,
+                             file->lexically_relative(root).generic_string());
+    found.file = std::move(file);
+    break;
+  }
+  return found;
 }
 
 std::string AssetFolder::shown_root() const {

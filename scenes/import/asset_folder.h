@@ -22,8 +22,18 @@ struct AssetFolder {
 
   /// The same for what the file in `other` names, or from the root where `other` is not inside.
   AssetFolder from(const std::filesystem::path& other) const;
-  /// The file that `reference` means, as resolve_inside says it. It need not exist.
+  /// The file that `reference` means, as resolve_inside says it, or by an absolute path to
+  /// somewhere inside the root. It need not exist.
   std::optional<std::filesystem::path> find(const std::string& reference) const;
+
+  struct Found {
+    std::optional<std::filesystem::path> file;  ///< inside the root; it need not exist
+    std::string note{};  ///< of a file that was taken for the one asked for: says so; else empty
+  };
+  /// The same of a file that scenes only show, such as a picture. Where there is none, as by the
+  /// path that it had on another machine, one with the last parts of that path, or its name alone,
+  /// is taken for it: "/home/ann/lamp/textures/wood.png" finds "textures/wood.png" or "wood.png".
+  Found find_asset(const std::string& reference) const;
   /// What messages call the root: "the scene's folder", or "the asset root 'DIR'".
   std::string shown_root() const;
 };

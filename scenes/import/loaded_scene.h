@@ -14,6 +14,7 @@
 #include "base/input_scope.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
+#include "renderer/math/stored_samples.h"
 #include "scenes/import/origin_table.h"
 
 namespace tessera {
@@ -50,6 +51,8 @@ struct DecodedTexture {
   uint32_t channels = 3;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA
   uint32_t bits = 8;      ///< 8, 16 (half float) or 32 (float)
   BlobData texels;
+  SampleMeaning meaning{};  ///< integers of 8 bits are from integers whatever it says
+  std::vector<std::string> unused_channels{};  ///< names of channels that its file has beside these
 };
 /// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.
 /// `to_srgb`: colours are taken from an embedded colour profile to sRGB.

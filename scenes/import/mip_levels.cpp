@@ -18,7 +18,8 @@ class Texels {
   Texels(const DecodedTexture& texture, bool is_srgb)
       : channels_(texture.channels),
         bits_(texture.bits),
-        colors_(channels_ - (channels_ % 2 == 0 ? 1 : 0)),
+        is_associated_(texture.meaning.is_associated),
+        colors_(channels_ - (has_alpha() ? 1 : 0)),
         is_srgb_(is_srgb) {
     for (size_t i = 0; i < 256; ++i) {
       const double v = static_cast<double>(i) / 255;
@@ -34,7 +35,8 @@ class Texels {
     }
   }
 
-  bool has_alpha() const { return channels_ % 2 == 0; }
+  /// Whether there is one that colours are not multiplied by, so that means have to be.
+  bool has_alpha() const { return channels_ % 2 == 0 && !is_associated_; }
   uint32_t colors() const { return colors_; }
 
   float get(const std::byte* texel, uint32_t channel) const {
@@ -78,7 +80,9 @@ class Texels {
 
   static constexpr size_t kSteps = 4096;  ///< each spans less than two codes
 
-  uint32_t channels_, bits_, colors_;
+  uint32_t channels_, bits_;
+  bool is_associated_;
+  uint32_t colors_;
   bool is_srgb_;
   std::array<float, 256> linear_{}, from_{};
   std::array<uint8_t, kSteps> code_at_{};  ///< of the least light of each step

@@ -57,9 +57,14 @@ void keep_channel(DecodedTexture& texture, PictureChannel channel, bool is_srgb)
         value += kLuminance[c] * (decodes ? srgb_to_linear(number / 255) : number);
       }
     }
+    if (!is_alpha && has_alpha && texture.meaning.is_associated) {
+      const double alpha = number_at(from, channels - 1, bits);
+      if (alpha > 0) value /= alpha;
+    }
     put_number(value, to_bits, &out[at]);
   }
   texture.channels = 1;
+  texture.meaning.is_associated = false;
   texture.bits = to_bits;
   texture.texels = make_blob(std::move(out));
 }

@@ -1,6 +1,7 @@
 """Pictures as arrays and files."""
 import copy
 import functools
+import importlib
 import json
 import os
 import pathlib
@@ -207,6 +208,59 @@ def float_tiff(values):
     entries = b"".join(struct.pack("<HHII", *tag) for tag in tags)
     head = b"II*\0" + struct.pack("<I", 20) + struct.pack("<6H", 32, 32, 32, 3, 3, 3)
     return (head + struct.pack("<H", len(tags)) + entries + bytes(4)).ljust(200, b"\0") + values.tobytes()
+
+
+@pytest.fixture
+def stored_pictures(monkeypatch):
+    """The writers of the tests of the command line."""
+    monkeypatch.syspath_prepend(str(pathlib.Path(__file__).parents[1] / "cli"))
+    return importlib.import_module("stored_pictures")
+
+
+def test_codes_of_any_depth_are_light(tmp_path, stored_pictures):
+    color = (188 / 255, 128 / 255, 64 / 255)
+    lit = [ts._core.srgb_to_linear(code) for code in color]
+    for name, data in (("8.png", stored_pictures.png(color, 8)), ("16.png", stored_pictures.png(color, 16)),
+                       ("16.tif", stored_pictures.tiff(color, 16))):
+        (tmp_path / name).write_bytes(data)
+        assert ts.read_image(tmp_path / name).linear[0, 0] == pytest.approx(lit, abs=1e-6), name
+    texture = ts.ImageTexture(tmp_path / "16.png")
+    assert np.asarray(texture.texels)[:3] == pytest.approx(lit, abs=1e-6)
+    texture = ts.ImageTexture(tmp_path / "16.png", encoding="linear")
+    assert np.asarray(texture.texels)[:3] == pytest.approx(color, abs=1e-6)
+
+
+def test_colour_and_coverage_by_name(tmp_path, stored_pictures):
+    (tmp_path / "a.exr").write_bytes(stored_pictures.exr({"R": .25, "G": .5, "B": .75, "A": .5, "Z": 9}))
+    assert ts.read_image(tmp_path / "a.exr").linear[0, 0].tolist() == [.25, .5, .75]
+    texture = ts.ImageTexture(tmp_path / "a.exr")
+    assert (texture.channels, texture.bits, texture.associated_alpha) == (4, 16, True)
+    (tmp_path / "b.exr").write_bytes(stored_pictures.exr({"B": .25, "G": .5, "R": .75, "Z": 0}))
+    texture = ts.ImageTexture(tmp_path / "b.exr")
+    assert texture.channels == 3 and not texture.associated_alpha
+    assert np.asarray(texture.texels)[:3].tolist() == [.75, .5, .25]
+
+
+def test_floats_are_codes_where_they_are_said_to_be(tmp_path, stored_pictures):
+    (tmp_path / "a.exr").write_bytes(stored_pictures.exr({"Y": .5}, "float"))
+    lit = np.float32(ts._core.srgb_to_linear(.5))
+    for picture in (tmp_path / "a.exr", np.full((2, 2), .5, "f4"), np.full((2, 2), .5, "f2")):
+        assert np.asarray(ts.ImageTexture(picture).texels)[0] == .5
+        assert np.asarray(ts.ImageTexture(picture, encoding="srgb").texels)[0] == lit
+        assert np.asarray(ts.ImageTexture(picture, encoding="linear").texels)[0] == .5
+
+
+def test_numbers_that_are_not_finite_are_told_with_their_place(tmp_path, stored_pictures):
+    channel = lambda x, y: float("inf") if (x, y) == (1, 0) else 1
+    (tmp_path / "a.exr").write_bytes(stored_pictures.exr({"Y": channel}))
+    with pytest.warns(ts.SceneWarning, match="a.exr: pixel 1,0 has the number inf and is read as 65504"):
+        texture = ts.ImageTexture(tmp_path / "a.exr", filter="nearest")
+    assert np.asarray(texture.texels).ravel().tolist() == [1, 65504, 1, 1]
+    array = np.ones((3, 4, 3), "f4")
+    array[2, 1, 0] = np.nan
+    scene = ts.Scene(background=ts.Background(panorama=ts.BackgroundPanorama(ts.ImageTexture(array))))
+    with pytest.raises(ts.SceneError, match="image.texels is infinite or no number at pixel 1,2"):
+        ts.render(scene, workers=0, size=(4, 4))
 
 
 def test_a_picture_that_is_missing():

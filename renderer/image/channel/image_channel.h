@@ -60,11 +60,9 @@ struct ColorNames {
 struct ImageRequest {
   enum Call : uint32_t {
     encode,      ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
-    decode_all,  ///< of a file: all channels as floats, alpha not multiplied in, then the
-                 ///< channels' names, each ended by a zero, then kFloats if the file holds
-                 ///< floats
-    decode,      ///< of a file: pixels as it has them, at most 4 channels, in the fewest bits that
-                 ///< hold them, alpha not multiplied in
+    decode_all,  ///< of a file: all channels as floats and their names
+    decode,      ///< of a file: its color_channels_of() in the fewest bits that hold them, and the
+                 ///< names of the other channels
     convert_colors,  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO
     load             ///< gets no reply: OpenImageIO will be needed, and takes a while to load
   };
@@ -80,8 +78,7 @@ struct ImageRequest {
   uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory
 
   bool decodes() const { return call == decode_all || call == decode; }
-  static constexpr uint32_t kVersion = 12;
-  static constexpr std::string_view kFloats = "floats";
+  static constexpr uint32_t kVersion = 13;
 };
 
 /// The program's argument where it shall convert colours, for which it may read files, and decode
@@ -89,12 +86,14 @@ struct ImageRequest {
 inline constexpr const char* kConvertsColors = "colors";
 
 /// Before the payload, which follows or, where it `is_shared`, is all of the memory that comes with
-/// this: sealed, so that nobody can change it.
+/// this: sealed, so that nobody can change it. Then come names of channels.
 struct ImageReply {
   uint32_t done = 0;  ///< else the payload is the cause, a text
   uint32_t is_shared = 0;
   uint32_t holds_files = 0, holds_calls = 0;  ///< which halves of its sandbox the codec is in
   PixelLayout layout;
+  uint32_t from_integers = 0, is_associated = 0;  ///< of what was decoded, as SampleMeaning
+  uint64_t names_bytes = 0;  ///< of the names of channels, each ended by a zero
   uint64_t payload_bytes = 0;
 };
 

@@ -152,12 +152,21 @@ class Server {
             .payload_bytes = payload_bytes};
   }
 
+  ImageReply reply(const ImageAnswer& answer, uint64_t payload_bytes) const {
+    ImageReply made = reply(true, answer.layout, payload_bytes);
+    made.from_integers = answer.meaning.from_integers;
+    made.is_associated = answer.meaning.is_associated;
+    return made;
+  }
+
   bool send(ImageAnswer& answer) {
     if (!answer.shared) {
-      return channel_.send(reply(true, answer.layout, answer.payload.size()),
-                           {answer.payload.data(), answer.payload.size()});
+      ImageReply plain = reply(answer, answer.payload.size());
+      plain.names_bytes = answer.names.size();
+      return channel_.send(plain, {answer.payload.data(), answer.payload.size()}) &&
+             channel_.send_bytes(answer.names.data(), answer.names.size());
     }
-    ImageReply shared = reply(true, answer.layout, answer.layout.bytes());
+    ImageReply shared = reply(answer, answer.layout.bytes());
     shared.is_shared = 1;
     const int descriptor = answer.shared->seal();
     return descriptor >= 0 && channel_.send(shared, descriptor);

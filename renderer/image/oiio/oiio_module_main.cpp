@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "renderer/image/plain/icc_profile.h"
 #include "renderer/image/plain/image_answer.h"
 #include "renderer/image/plain/plain_formats.h"
+#include "renderer/math/stored_samples.h"
 
 namespace tessera {
 
@@ -139,40 +141,180 @@ std::unique_ptr<OIIO::ImageInput> open(const std::string& format, int file) {
   return input;
 }
 
-/// The first channels, as many as the layout has, which it checks.
-void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int most_channels,
-                 ImageAnswer& answer) {
-  void* const pixels = make_room(answer, most_channels);
+/// The channels from `first` on, as many as the layout has, which it checks.
+void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int first, ImageAnswer& answer) {
+  void* const pixels = make_room(answer, PixelLayout::kMostChannels);
+  const int end = first + answer.layout.channels;
   // Some readers fill in what a truncated file lacks, and merely say so.
-  if (!input.read_image(0, 0, 0, answer.layout.channels, type, pixels) || input.has_error()) {
+  if (!input.read_image(0, 0, first, end, type, pixels) || input.has_error()) {
     fail_image(input.geterror());
   }
+}
+
+std::vector<std::string> channel_names(const std::string& format, const OIIO::ImageSpec& spec) {
+  // The formats have no names, and OpenImageIO calls the two R and G.
+  if ((format == "sgi" || format == "targa") && spec.nchannels == 2) return {"Y", "A"};
+  std::vector<std::string> names;
+  for (int i = 0; i < spec.nchannels; ++i) names.push_back(spec.channel_name(i));
+  return names;
+}
+
+/// Whether the colours that OpenImageIO gives are multiplied by alpha, as the file says or, for
+/// WebP, as OpenImageIO 2.4 does by itself.
+bool is_associated(const std::string& format, const OIIO::ImageSpec& spec) {
+  constexpr int kPremultiplied = 4;  // Truevision TGA 2.0, attributes type
+  if (spec.get_int_attribute("oiio:UnassociatedAlpha") != 0) return false;
+  if (format == "targa") return spec.get_int_attribute("targa:alpha_type") == kPremultiplied;
+  return format == "openexr" || format == "tiff" || format == "webp" || format == "heif";
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) {
+    if (all.size() + name.size() >= PixelLayout::kLongestNames) {
+      fail_image("its channels have too long names");
+    }
+    all.append(name.c_str()).push_back('\0');
+  }
+  return all;
+}
+
+SampleMeaning meaning_of(const std::string& format, const OIIO::ImageSpec& spec,
+                         const ColorChannels& used) {
+  return {.from_integers =
+              !spec.channelformat(static_cast<int>(used.colors[0].value_or(used.alpha.value_or(0))))
+                   .is_floating_point(),
+          .is_associated = used.alpha.has_value() && is_associated(format, spec)};
 }
 
 ImageAnswer decode_all(const std::string& format, int file) {
   const auto input = open(format, file);
   const OIIO::ImageSpec& spec = input->spec();
   ImageAnswer answer{{spec.width, spec.height, spec.nchannels, 32}, {}};
-  read_pixels(*input, OIIO::TypeDesc::FLOAT, PixelLayout::kMostChannels, answer);
-  std::string names;
-  for (int i = 0; i < spec.nchannels; ++i) names.append(spec.channel_name(i)).push_back('\0');
-  if (spec.channelformat(0).is_floating_point()) names += ImageRequest::kFloats;
-  if (names.size() > PixelLayout::kLongestNames) fail_image("its channels have too long names");
-  answer.payload.insert(answer.payload.end(), names.begin(), names.end());
+  read_pixels(*input, OIIO::TypeDesc::FLOAT, 0, answer);
+  const std::vector<std::string> names = channel_names(format, spec);
+  answer.names = joined(names);
+  answer.meaning = meaning_of(format, spec, color_channels_of(names));
+  return answer;
+}
+
+/// The type of the fewest bits that holds all of the channels.
+OIIO::TypeDesc type_of(const OIIO::ImageSpec& spec, const ColorChannels& used) {
+  const auto channels = used.in_order();
+  const auto all_are = [&](OIIO::TypeDesc type) {
+    return std::all_of(channels.begin(), channels.end(), [&](const auto& channel) {
+      return !channel || spec.channelformat(static_cast<int>(*channel)) == type;
+    });
+  };
+  if (used.kind == ColorChannels::Kind::luminance_chroma) return OIIO::TypeDesc::FLOAT;
+  if (all_are(OIIO::TypeDesc::UINT8)) return OIIO::TypeDesc::UINT8;
+  // Integers of 16 bits are more than half floats hold.
+  return all_are(OIIO::TypeDesc::HALF) ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
+}
+
+/// Where a texture's texels lie in the pixels of its file.
+struct Window {
+  int x = 0, y = 0;  ///< of the first pixel that the file has
+  int width = 0, height = 0;
+};
+
+/// The display window of OpenEXR, of which pixels that the file lacks are black and clear; the data
+/// window where it has nothing in common with that.
+Window window_of(const std::string& format, const OIIO::ImageSpec& spec, int channels, int bits) {
+  const Window data{0, 0, spec.width, spec.height};
+  if (format != "openexr") return data;
+  const Window shown{spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
+  const bool overlap = shown.x < shown.width && shown.y < shown.height && shown.x > -spec.width &&
+                       shown.y > -spec.height;
+  return overlap && PixelLayout{shown.width, shown.height, channels, bits}.is_legal() ? shown
+                                                                                      : data;
+}
+
+using Order = std::vector<std::optional<uint32_t>>;
+
+bool is_in_place(const Order& order, uint32_t first) {
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (order[i] != first + i) return false;
+  }
+  return true;
+}
+
+bool is_same(const PixelLayout& a, const PixelLayout& b) {
+  return a.width == b.width && a.height == b.height && a.channels == b.channels;
+}
+
+/// The channels of the file from `first` on, as many as `read` has, put in order and into place.
+void place_pixels(const ImageAnswer& read, uint32_t first, const Order& order, const Window& window,
+                  ImageAnswer& answer) {
+  const auto size = static_cast<size_t>(answer.layout.bits / 8);
+  const auto from_pixel = static_cast<size_t>(read.layout.channels) * size;
+  const auto to_pixel = static_cast<size_t>(answer.layout.channels) * size;
+  const int x0 = std::max(0, -window.x), y0 = std::max(0, -window.y);
+  const int x1 = std::min(read.layout.width, window.width - window.x);
+  const int y1 = std::min(read.layout.height, window.height - window.y);
+  for (int y = y0; y < y1; ++y) {
+    const char* from =
+        read.payload.data() + (static_cast<size_t>(y) * static_cast<size_t>(read.layout.width) +
+                               static_cast<size_t>(x0)) *
+                                  from_pixel;
+    char* to = answer.payload.data() +
+               (static_cast<size_t>(y + window.y) * static_cast<size_t>(answer.layout.width) +
+                static_cast<size_t>(x0 + window.x)) *
+                   to_pixel;
+    for (int x = x0; x < x1; ++x, from += from_pixel, to += to_pixel) {
+      for (size_t i = 0; i < order.size(); ++i) {
+        if (order[i]) std::memcpy(to + i * size, from + (*order[i] - first) * size, size);
+      }
+    }
+  }
+}
+
+/// The colour and coverage of the picture, and in `names` its other channels.
+ImageAnswer read_colors(OIIO::ImageInput& input, const std::string& format) {
+  const OIIO::ImageSpec& spec = input.spec();
+  const std::vector<std::string> names = channel_names(format, spec);
+  const ColorChannels used = color_channels_of(names);
+  const OIIO::TypeDesc type = type_of(spec, used);
+  const int bits = static_cast<int>(type.basesize()) * 8;
+  const auto order = used.in_order();
+  uint32_t first = UINT32_MAX, last = 0;
+  for (const auto& channel : order) {
+    if (!channel) continue;
+    first = std::min(first, *channel);
+    last = std::max(last, *channel);
+  }
+  const int channels = static_cast<int>(used.count());
+  const Window window = window_of(format, spec, channels, bits);
+  ImageAnswer answer{{window.width, window.height, channels, bits}, {}};
+  ImageAnswer read{{spec.width, spec.height, static_cast<int>(last - first) + 1, bits}, {}};
+  read_pixels(input, type, static_cast<int>(first), read);
+  if (is_in_place(order, first) && is_same(read.layout, answer.layout)) {
+    answer.payload = std::move(read.payload);
+  } else {
+    make_room(answer, 4);
+    place_pixels(read, first, order, window, answer);
+  }
+  if (used.kind == ColorChannels::Kind::luminance_chroma) {
+    luminance_chroma_to_rgb(
+        {reinterpret_cast<float*>(answer.payload.data()), answer.payload.size() / sizeof(float)},
+        used.count());
+  }
+  std::vector<std::string> others;
+  for (uint32_t i = 0; i < names.size(); ++i) {
+    if (std::find(order.begin(), order.end(), std::optional(i)) == order.end()) {
+      others.push_back(names[i]);
+    }
+  }
+  answer.names = joined(others);
+  answer.meaning = meaning_of(format, spec, used);
   return answer;
 }
 
 ImageAnswer decode(const std::string& format, int file, bool to_srgb) {
   const auto input = open(format, file);
   const OIIO::ImageSpec& spec = input->spec();
-  // Integers of 16 bits are more than half floats hold.
-  const OIIO::TypeDesc type = spec.format == OIIO::TypeDesc::UINT8  ? OIIO::TypeDesc::UINT8
-                              : spec.format == OIIO::TypeDesc::HALF ? OIIO::TypeDesc::HALF
-                                                                    : OIIO::TypeDesc::FLOAT;
-  const int channels = std::min(spec.nchannels, 4);
-  ImageAnswer answer{{spec.width, spec.height, channels, static_cast<int>(type.basesize()) * 8},
-                     {}};
-  read_pixels(*input, type, channels, answer);
+  ImageAnswer answer = read_colors(*input, format);
+  const int channels = answer.layout.channels;
   const bool has_colors = answer.layout.bits == 8 && channels >= 3;
   const OIIO::ParamValue* const profile =
       to_srgb && has_colors ? spec.find_attribute("ICCProfile") : nullptr;

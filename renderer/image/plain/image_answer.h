@@ -9,6 +9,7 @@
 
 #include "renderer/image/channel/image_channel.h"
 #include "renderer/image/channel/sealed_memory.h"
+#include "renderer/math/stored_samples.h"
 
 namespace tessera {
 
@@ -17,6 +18,8 @@ struct ImageAnswer {
   PixelLayout layout;
   std::vector<char> payload;
   std::optional<SealedMemory> shared{};  ///< in place of the payload
+  SampleMeaning meaning{};               ///< of what was decoded
+  std::string names{};                   ///< of channels, each ended by a zero
 
   /// Where the pixels of `layout` go. Large ones are shared: each such picture costs whoever asked
   /// a descriptor, a smaller one a copy.

@@ -61,6 +61,7 @@ std::optional<ImageAnswer> decode_jpeg(std::span<const char> file, bool to_srgb)
     return std::nullopt;
   }
   ImageAnswer answer;
+  answer.meaning.from_integers = true;
   if (info.image_width > PixelLayout::kMostSide || info.image_height > PixelLayout::kMostSide) {
     return std::nullopt;
   }

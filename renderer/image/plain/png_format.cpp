@@ -164,6 +164,7 @@ std::optional<ImageAnswer> decode(const Png& png, std::span<const char> file, bo
                         !png_get_valid(png.get(), png.info(), PNG_INFO_tRNS);
   if (!is_plain) return std::nullopt;
   ImageAnswer answer;
+  answer.meaning.from_integers = true;
   answer.layout = {static_cast<int32_t>(png_get_image_width(png.get(), png.info())),
                    static_cast<int32_t>(png_get_image_height(png.get(), png.info())),
                    png_get_channels(png.get(), png.info()), 8};

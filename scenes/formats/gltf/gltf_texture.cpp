@@ -7,6 +7,7 @@
 #include "renderer/math/elementary.h"
 #include "scenes/formats/gltf/gltf_material.h"
 #include "scenes/import/data_uri.h"
+#include "scenes/import/picture_light.h"
 
 namespace tessera {
 namespace {
@@ -115,7 +116,7 @@ std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encodin
   v1::Texture texture;
   v1::Texture::Image& image = *texture.mutable_image();
   image.set_file(picture(source_image, *source));
-  image.set_encoding(encoding);
+  set_integer_encoding(encoding, image);
   const auto sampler = in["sampler"].index(file_.root()["samplers"].size(), "sampler");
   if (sampler) sample(file_.element("samplers", *sampler), image);
   place(info["extensions"]["KHR_texture_transform"], texture);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/import/picture_light.h"
+
 namespace tessera {
 namespace {
 
@@ -226,7 +228,10 @@ class Converter {
     v1::Texture made;
     v1::Texture::Image& image = *made.mutable_image();
     image.set_file(m.file);
-    image.set_encoding(m.encoding.value_or(usual));
+    if (m.encoding)
+      image.set_encoding(*m.encoding);
+    else
+      set_integer_encoding(usual, image);
     if (m.clamp) {
       image.set_wrap_s(v1::Texture::Image::CLAMP);
       image.set_wrap_t(v1::Texture::Image::CLAMP);

@@ -58,7 +58,11 @@ std::optional<std::string> find_picture(const std::string& written, const AssetF
                                         const fs::path& folder, const PictureCheck& check,
                                         Warnings& warnings) {
   const std::string problem = picture_problem(assets, written, check);
-  if (problem.empty()) return assets.find(written)->lexically_relative(folder).generic_string();
+  if (problem.empty()) {
+    const auto found = assets.find_asset(written);
+    if (!found.note.empty()) warnings.add(fmt::format("picture {}", found.note));
+    return found.file->lexically_relative(folder).generic_string();
+  }
   warnings.add(fmt::format("picture '{}' {}", written, problem));
   return std::nullopt;
 }
@@ -70,7 +74,8 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
   std::string name = written;
   for (char& c : name)
     if (c == '\\') c = '/';
-  const auto file = assets.find(name);
+  const auto [file, note] = assets.find_asset(name);
+  if (!note.empty()) add_warning(out, path, fmt::format("material library {}", to_utf8(note)));
   if (!file) {
     add_warning(out, path,
                 fmt::format("material library '{}' lies outside {} and is not read",
@@ -79,8 +84,9 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
     add_warning(out, path, fmt::format("material library '{}' is not there", to_utf8(written)));
   } else if (has_text(*file)) {
     Warnings warnings;
-    LineReader reader(assets.searches_root ? file->string()
-                                           : (fs::path(path).parent_path() / name).string());
+    const bool is_as_written = !assets.searches_root && note.empty();
+    LineReader reader(is_as_written ? (fs::path(path).parent_path() / name).string()
+                                    : file->string());
     AssetFolder below = assets;
     below.folder = file->parent_path();
     const auto finder = [&](const std::string& picture, const std::string& material) {

@@ -27,9 +27,12 @@ class X3dFiles {
   struct Found {
     std::string file{};    ///< empty: not found
     std::string reason{};  ///< then: why not
+    std::string note{};    ///< as of AssetFolder::Found
   };
   /// The file that `url` names, as written in a file of `folder`.
   Found find(const std::string& url, const std::string& folder) const;
+  /// The same of a picture, as AssetFolder::find_asset() looks for it.
+  Found find_picture(const std::string& url, const std::string& folder) const;
   /// The URL as messages show it: what a data: URI holds is cut off.
   static std::string shown(const std::string& url);
 
@@ -47,6 +50,8 @@ class X3dFiles {
   bool is_endless = false;
 
  private:
+  Found find(const std::string& url, const std::string& folder, bool is_picture) const;
+
   std::optional<AssetFolder> assets_;
 };
 

@@ -7,6 +7,7 @@
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/data_uri.h"
 #include "scenes/import/mip_levels.h"
+#include "scenes/import/picture_light.h"
 #include "scenes/import/to_affine.h"
 
 namespace tessera {
@@ -128,7 +129,7 @@ std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool i
   if (known != textures_.end()) return known->second;
 
   v1::Texture::Image image;
-  image.set_encoding(is_color ? color_encoding() : v1::Texture::Image::ENCODING_LINEAR);
+  set_integer_encoding(is_color ? color_encoding() : v1::Texture::Image::ENCODING_LINEAR, image);
   set_wrapping(*node, image);
   std::string name = node->type == "PixelTexture" ? pixel_texture(*node, std::move(image))
                                                   : image_texture(values_.strings(*node, "url"),
@@ -177,13 +178,13 @@ std::string X3dTranslator::add_texture(v1::Texture texture, const std::string& w
   return texture.name();
 }
 
-/// Why the URL names no picture; else "", with what Image.file calls it in `file`.
-std::string X3dTranslator::check_picture(const std::string& url, std::string& file,
-                                         bool& is_damaged) {
+/// Why the URL names no picture; else "", with what Image.file calls it in `out`. `takes_others`:
+/// another file may be taken for it.
+std::string X3dTranslator::check_picture(const std::string& url, bool takes_others, Picture& out) {
   const PictureCheck& check = build_.options.check_picture;
   const auto known = build_.data_pictures.find(url);
   if (known != build_.data_pictures.end()) {
-    file = known->second;
+    out.file = known->second;
     return "";
   }
   std::string problem;
@@ -195,31 +196,37 @@ std::string X3dTranslator::check_picture(const std::string& url, std::string& fi
         "{}#picture {}", to_utf8(document_.name().substr(document_.name().rfind('/') + 1)),
         out_.pictures.size() + 1);
     if (problem.empty() && check) problem = check(name, &data->bytes);
-    is_damaged |= !problem.empty();
+    out.is_damaged |= !problem.empty();
     if (!problem.empty()) return problem;
     out_.pictures[name] = std::move(data->bytes);
-    file = build_.data_pictures[url] = name;
+    out.file = build_.data_pictures[url] = name;
     return "";
   }
   if (!build_.files.has_folder()) {
-    file = url;
+    out.file = url;
     return "";
   }
-  const X3dFiles::Found found = build_.files.find(url, folder_);
+  const X3dFiles& files = build_.files;
+  const X3dFiles::Found found =
+      takes_others ? files.find_picture(url, folder_) : files.find(url, folder_);
   if (found.file.empty()) return found.reason;
   if (check) problem = check(build_.files.full(found.file), nullptr);
-  is_damaged |= !problem.empty();
-  if (problem.empty()) file = found.file;
+  out.is_damaged |= !problem.empty();
+  if (problem.empty()) out.file = found.file, out.note = found.note;
   return problem;
 }
 
 X3dTranslator::Picture X3dTranslator::find_picture(const std::vector<std::string>& urls) {
   Picture out;
   for (const std::string& url : urls) {
-    const std::string reason = check_picture(url, out.file, out.is_damaged);
-    if (reason.empty()) break;
+    const std::string reason = check_picture(url, false, out);
+    if (reason.empty()) return out;
     out.reasons +=
         fmt::format("{}'{}': {}", out.reasons.empty() ? "" : "; ", X3dFiles::shown(url), reason);
+  }
+  for (const std::string& url : urls) {
+    Picture other;
+    if (check_picture(url, true, other).empty()) return other;
   }
   return out;
 }
@@ -243,6 +250,7 @@ std::string X3dTranslator::picture_texture(const Picture& picture, v1::Texture::
   if (picture.is_damaged)
     values_.warn(
         offset, fmt::format("the picture is '{}', not {}", to_utf8(picture.file), picture.reasons));
+  if (!picture.note.empty()) values_.warn(offset, fmt::format("the picture {}", picture.note));
   v1::Texture texture;
   image.set_file(picture.file);
   *texture.mutable_image() = std::move(image);
@@ -254,7 +262,7 @@ std::string X3dTranslator::placeholder_texture() {
   if (!build_.placeholder.empty()) return build_.placeholder;
   v1::Texture texture;
   v1::Texture::Image& image = *texture.mutable_image();
-  image.set_encoding(color_encoding());
+  set_integer_encoding(color_encoding(), image);
   image.set_filter(v1::Texture::Image::NEAREST);
   put_texels(from_bottom_up({2, 2, 3, 0xFF00FF, 0x808080, 0x808080, 0xFF00FF}, 3), image,
              out_.blobs);
@@ -289,7 +297,7 @@ std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image
 std::string X3dTranslator::sky_texture(const X3dNode& node, const std::string& side) {
   const std::string urls = side + "Url";
   v1::Texture::Image image;
-  image.set_encoding(color_encoding());
+  set_integer_encoding(color_encoding(), image);
   image.set_wrap_s(v1::Texture::Image::CLAMP);
   image.set_wrap_t(v1::Texture::Image::CLAMP);
   if (const X3dField* field = node.field(urls)) {

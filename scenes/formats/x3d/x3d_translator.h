@@ -139,9 +139,10 @@ class X3dTranslator {
     std::string file{};       ///< empty: there is none
     std::string reasons{};    ///< "'URL': why not" of each URL before it
     bool is_damaged = false;  ///< one of those is there and is no picture
+    std::string note{};       ///< as of AssetFolder::Found
   };
   Picture find_picture(const std::vector<std::string>& urls);
-  std::string check_picture(const std::string& url, std::string& file, bool& is_damaged);
+  std::string check_picture(const std::string& url, bool takes_others, Picture& out);
   std::string image_texture(const std::vector<std::string>& urls, v1::Texture::Image image,
                             size_t offset);
   std::string picture_texture(const Picture& picture, v1::Texture::Image image, size_t offset);

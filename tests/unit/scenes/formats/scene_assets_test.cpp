@@ -118,6 +118,71 @@ TEST_F(ReadScene, LooksForFilesInTheAssetsAlone) {
             std::string::npos);
 }
 
+/// Paths of another machine, by every format that names pictures.
+TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
+  std::vector<std::string> decoded;
+  ReadOptions options;
+  options.decode_texture = [&](const std::string& path, bool) -> DecodedTexture {
+    decoded.push_back(fs::path(path).lexically_relative(fs::canonical(folder_)).string());
+    return {.width = 1, .height = 1, .channels = 1, .bits = 8, .texels = make_blob({std::byte{7}})};
+  };
+  write("wood.png", "x");
+  write("textures/wood.png", "x");
+  write("textures/stone.png", "x");
+  const auto check = [&](const std::string& name, const std::string& text, const std::string& file,
+                         const std::string& note) {
+    decoded.clear();
+    const LoadedScene loaded = read_scene(write(name, text), options);
+    ASSERT_FALSE(decoded.empty()) << text;
+    EXPECT_EQ(decoded.back(), file) << text;
+    ASSERT_EQ(loaded.warnings.size(), note.empty() ? 0u : 1u)
+        << ::testing::PrintToString(loaded.warnings);
+    EXPECT_EQ(loaded.warning_diagnostics.size(), loaded.warnings.size());
+    if (!note.empty()) {
+      EXPECT_NE(loaded.warnings[0].find(note), std::string::npos) << loaded.warnings[0];
+    }
+  };
+  const std::string inside = (fs::canonical(folder_) / "wood.png").string();
+  for (const auto& [path, file] : std::vector<std::pair<std::string, std::string>>{
+           {inside, "wood.png"},
+           {"textures/wood.png", "textures/wood.png"},
+           {"/home/ann/lamp/wood.png", "wood.png"},
+           {"/home/ann/lamp/textures/wood.png", "textures/wood.png"},
+           {"../wood.png", "wood.png"},
+           {"maps/stone/textures/stone.png", "textures/stone.png"},
+           {"C:\\\\lamp\\\\textures\\\\stone.png", "textures/stone.png"}}) {
+    const bool is_there = path == inside || path == "textures/wood.png";
+    std::string plain = path;
+    while (plain.find("\\\\") != std::string::npos) plain.replace(plain.find("\\\\"), 2, "\\");
+    const std::string note = is_there ? "" : "is not there; '" + file + "' is taken for it";
+    write("a.mtl", "newmtl a\nmap_Kd " + plain + "\n");
+    check("a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle, file, note);
+    check("a.tessera", "textures { name: 't' image { file: '" + path + "' } }", file, note);
+  }
+  // Of several addresses one that is right comes first.
+  check(
+      "a.x3d",
+      "<X3D><Scene><Shape><Appearance><ImageTexture url='\"/x/wood.png\" \"textures/stone.png\"'/>"
+      "</Appearance><Sphere/></Shape></Scene></X3D>",
+      "textures/stone.png", "");
+  check("b.x3d",
+        "<X3D><Scene><Shape><Appearance><ImageTexture url='\"/x/wood.png\"'/>"
+        "</Appearance><Sphere/></Shape></Scene></X3D>",
+        "wood.png", "b.x3d:1:33: the picture '/x/wood.png' is not there; 'wood.png' is taken");
+}
+
+TEST_F(ReadScene, FindsMaterialLibrariesByName) {
+  write("a.mtl", "newmtl a\nKd 0 1 0\n");
+  const LoadedScene loaded = read_scene(
+      write("a.obj", std::string("mtllib /home/ann/lamp/a.mtl\nusemtl a\n") + kTriangle));
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().g(), 1);
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("a.obj: material library '/home/ann/lamp/a.mtl' is not there; "
+                                    "'a.mtl' is taken for it"),
+            std::string::npos)
+      << loaded.warnings[0];
+}
+
 /// Whatever names the file, the message names the folder that it has to be in.
 TEST_F(ReadScene, SaysWhichFolderAFileIsOutsideOf) {
   ReadOptions options;

@@ -1,0 +1,135 @@
+"""Small picture files of every kind of sample, byte by byte: no library in between changes them."""
+import struct
+import zlib
+
+
+def codes(values, bits):
+    return [round(value * (2 ** bits - 1)) for value in values]
+
+
+def packed(samples, bits, order=">"):
+    """A row of integers as PNG and TIFF pack them, the highest bit first."""
+    if bits in (8, 16):
+        return struct.pack(f"{order}{len(samples)}{'B' if bits == 8 else 'H'}", *samples)
+    text = "".join(f"{sample:0{bits}b}" for sample in samples)
+    text += "0" * (-len(text) % 8)
+    return int(text, 2).to_bytes(len(text) // 8, "big")
+
+
+def png(pixel, bits, size=2):
+    """All pixels alike; one to four channels."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    color = {1: 0, 2: 4, 3: 2, 4: 6}[len(pixel)]
+    row = b"\0" + packed(codes(pixel, bits) * size, bits)
+    return (b"\x89PNG\r\n\x1a\n"
+            + chunk(b"IHDR", struct.pack(">2I5B", size, size, bits, color, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(row * size)) + chunk(b"IEND", b""))
+
+
+def tiff(pixel, kind, extra=None, size=2):
+    """`kind`: bits of an integer, "half" or "float". `extra`: what TIFF 6.0 calls ExtraSamples, of the
+    last channel: 0 anything, 1 associated alpha, 2 unassociated alpha."""
+    bits = {"half": 16, "float": 32}.get(kind, kind)
+    letter = {"half": "e", "float": "f"}.get(kind)
+    if letter:
+        row = struct.pack(f"<{len(pixel) * size}{letter}", *(list(pixel) * size))
+    else:
+        row = packed(codes(pixel, bits) * size, bits, "<")
+    data = row * size
+    channels = len(pixel)
+    colors = channels - (extra is not None)
+    entries = [(256, 3, [size]), (257, 3, [size]), (258, 3, [bits] * channels), (259, 3, [1]),
+               (262, 3, [2 if colors == 3 else 1]), (273, 4, [8]), (277, 3, [channels]),
+               (278, 3, [size]), (279, 4, [len(data)]), (284, 3, [1])]
+    if extra is not None:
+        entries.append((338, 3, [extra]))
+    entries.append((339, 3, [3 if letter else 1] * channels))
+    at = 8 + len(data) + len(data) % 2
+    more = at + 2 + 12 * len(entries) + 4
+    table, values = b"", b""
+    for tag, type_, numbers in entries:
+        body = struct.pack(f"<{len(numbers)}{'H' if type_ == 3 else 'I'}", *numbers)
+        if len(body) > 4:
+            place, values = more + len(values), values + body
+            body = struct.pack("<I", place)
+        table += struct.pack("<HHI", tag, type_, len(numbers)) + body.ljust(4, b"\0")
+    return (b"II*\0" + struct.pack("<I", at) + data + b"\0" * (len(data) % 2)
+            + struct.pack("<H", len(entries)) + table + bytes(4) + values)
+
+
+def exr(channels, kind="half", data=(0, 0, 1, 1), display=None):
+    """`channels`: the value of each by its name, or a function of x and y. The windows are x0, y0, x1,
+    y1, the last pixel inside."""
+    def attribute(name, type_, body):
+        return name.encode() + b"\0" + type_.encode() + b"\0" + struct.pack("<I", len(body)) + body
+    number, letter = (1, "e") if kind == "half" else (2, "f")
+    names = sorted(channels)  # as the format wants them
+    listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", number, 0, 1, 1)
+                      for name in names) + b"\0"
+    head = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + attribute("channels", "chlist", listed)
+            + attribute("compression", "compression", b"\0")
+            + attribute("dataWindow", "box2i", struct.pack("<4i", *data))
+            + attribute("displayWindow", "box2i", struct.pack("<4i", *(display or data)))
+            + attribute("lineOrder", "lineOrder", b"\0")
+            + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+            + attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+            + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0")
+    width, height = data[2] - data[0] + 1, data[3] - data[1] + 1
+
+    def value(name, x, y):
+        given = channels[name]
+        return given(x, y) if callable(given) else given
+    lines = []
+    for y in range(data[1], data[3] + 1):
+        line = b"".join(struct.pack(f"<{width}{letter}", *[value(name, x, y) for x in
+                                                         range(data[0], data[2] + 1)])
+                        for name in names)
+        lines.append(struct.pack("<ii", y, len(line)) + line)
+    offset, table = len(head) + 8 * height, b""
+    for line in lines:
+        table += struct.pack("<Q", offset)
+        offset += len(line)
+    return head + table + b"".join(lines)
+
+
+def pnm(pixel, most, is_text=False, size=2):
+    """P1 to P6; `most` is the largest value, 1 that of a bitmap, where 1 is black."""
+    samples = [round(value * most) for value in pixel] * size * size
+    number = 4 if most == 1 else 5 if len(pixel) == 1 else 6
+    if most == 1:
+        samples = [1 - sample for sample in samples]
+    head = f"P{number - 3 if is_text else number}\n{size} {size}\n" + (f"{most}\n" if most > 1 else "")
+    if is_text:
+        return (head + " ".join(map(str, samples)) + "\n").encode()
+    if most == 1:
+        return head.encode() + packed(samples[:size], 1) * size
+    return head.encode() + packed(samples, 8 if most < 256 else 16)
+
+
+def pfm(pixel, size=2):
+    head = f"{'PF' if len(pixel) == 3 else 'Pf'}\n{size} {size}\n-1.0\n".encode()
+    return head + struct.pack(f"<{len(pixel) * size * size}f", *(list(pixel) * size * size))
+
+
+def targa(pixel, is_associated=False, size=2):
+    """Version 2.0, whose extension tells what alpha is."""
+    stored = codes(pixel, 8)
+    stored = stored[:1] if len(stored) == 1 else [stored[2], stored[1], stored[0], *stored[3:]]
+    alpha_bits = 8 if len(pixel) == 4 else 0
+    head = struct.pack("<3B5x4H2B", 0, 0, 3 if len(pixel) == 1 else 2, 0, 0, size, size,
+                       8 * len(stored), 0x20 | alpha_bits)
+    body = head + bytes(stored) * size * size
+    if not alpha_bits:
+        return body
+    extension = bytearray(495)
+    struct.pack_into("<H", extension, 0, 495)
+    extension[494] = 4 if is_associated else 3
+    return body + bytes(extension) + struct.pack("<II", len(body), 0) + b"TRUEVISION-XFILE.\0"
+
+
+def sgi(pixel, bits, size=2):
+    """Uncompressed, one plane after the other."""
+    head = struct.pack(">HBBHHHHII", 474, 0, bits // 8, 3, size, size, len(pixel), 0, 2 ** bits - 1)
+    return head.ljust(512, b"\0") + b"".join(packed([code] * size * size, bits)
+                                             for code in codes(pixel, bits))

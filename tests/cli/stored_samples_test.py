@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""What the samples of picture files are taken for: which channels are colour and coverage, and how their
+numbers become linear light."""
+import array
+import json
+import subprocess
+import unittest
+
+from stored_pictures import exr, pfm, png, pnm, sgi, targa, tiff
+from tessera_process import TesseraTest
+
+RGB = (188 / 255, 128 / 255, 64 / 255)
+GREY = (128 / 255,)
+ALPHA = (0.6,)
+SCENE = """settings { width: %(width)d height: %(height)d integrator { kind: "whitted" } }
+cameras { world_from_camera { steps { translate { z: 5 } } }
+          orthographic { min_x: 0 max_x: %(span)d min_y: -.5 max_y: .5 } }
+background { solid { r: %(behind)d g: %(behind)d b: %(behind)d } }
+"""
+QUAD = """textures { name: "%(i)d" image { file: "%(file)s" %(encoding)s } }
+materials { name: "%(i)d" unlit { color { texture: "%(i)d" } } }
+nodes { shape { materials: "%(i)d" rectangle { corner { x: %(i)d y: -.5 } edge_u { x: 1 } edge_v { y: 1 } } } }
+"""
+
+
+# 8 pixels by 4 of the codes 87, 46, 28 and 128, without loss.
+WEBP = bytes.fromhex(
+    "5249464618000000574542505650384c0c0000002f07c00010a84badca51c000")
+
+
+def light(code):
+    """IEC 61966-2-1."""
+    return code / 12.92 if code <= 0.04045 else ((code + 0.055) / 1.055) ** 2.4
+
+
+def stored(pixel, bits):
+    """The values that so many bits hold."""
+    most = 2 ** bits - 1
+    return tuple(round(value * most) / most for value in pixel)
+
+
+def lit(pixel):
+    """Three channels of light, of one or three codes."""
+    return [light(code) for code in (pixel * 3 if len(pixel) == 1 else pixel)]
+
+
+def associated(pixel):
+    """The numbers of a pixel with alpha multiplied into its colours."""
+    return tuple(value * pixel[-1] for value in pixel[:-1]) + pixel[-1:]
+
+
+class Row:
+    """A file, and the colour and coverage that it holds."""
+
+    def __init__(self, name, data, color, alpha=1.0, encoding="", near=2e-5):
+        self.name, self.data, self.near = name, data, near
+        self.color = list(color) * (3 if len(color) == 1 else 1)
+        self.alpha, self.encoding = alpha, encoding
+
+    def over(self, behind):
+        return [value * self.alpha + behind * (1 - self.alpha) for value in self.color]
+
+
+def integer_rows():
+    for bits in 1, 2, 4, 8, 16:
+        grey = stored(GREY, bits)
+        yield Row(f"grey{bits}.png", png(grey, bits), lit(grey))
+    for bits in 8, 16:
+        rgb, grey, (alpha,) = stored(RGB, bits), stored(GREY, bits), stored(ALPHA, bits)
+        for linear in False, True:
+            encoding = "encoding: ENCODING_LINEAR" if linear else "encoding: ENCODING_SRGB" if bits == 16 else ""
+            color, one = (rgb, grey) if linear else (lit(rgb), lit(grey))
+            yield Row(f"rgb{bits}{linear}.png", png(rgb, bits), color, encoding=encoding)
+            yield Row(f"rgba{bits}{linear}.png", png(rgb + (alpha,), bits), color, alpha, encoding)
+            yield Row(f"ga{bits}{linear}.png", png(grey + (alpha,), bits), one, alpha, encoding)
+    for bits in 1, 8, 10, 12, 16:
+        near = 1e-4 if bits in (10, 12) else 2e-5
+        rgb, grey, (alpha,) = stored(RGB, bits), stored(GREY, bits), stored(ALPHA, bits)
+        yield Row(f"grey{bits}.tif", tiff(grey, bits), lit(grey), near=near)
+        if bits == 1:
+            continue
+        yield Row(f"rgb{bits}.tif", tiff(rgb, bits), lit(rgb), near=near)
+        yield Row(f"loose{bits}.tif", tiff(rgb + (alpha,), bits, 2), lit(rgb), alpha, near=near)
+        yield Row(f"looseg{bits}.tif", tiff(grey + (alpha,), bits, 2), lit(grey), alpha, near=near)
+        yield Row(f"other{bits}.tif", tiff(rgb + (alpha,), bits, 0), lit(rgb), near=near)
+        for name, pixel in (("tied", rgb), ("tiedg", grey)):
+            held = stored(associated(pixel + (alpha,)), bits)
+            color = lit(tuple(value / held[-1] for value in held[:-1]))
+            yield Row(f"{name}{bits}.tif", tiff(held, bits, 1), color, alpha, near=2 * near)
+    for bits in 8, 16:
+        rgb, grey, (alpha,) = stored(RGB, bits), stored(GREY, bits), stored(ALPHA, bits)
+        yield Row(f"grey{bits}.sgi", sgi(grey, bits), lit(grey))
+        yield Row(f"ga{bits}.sgi", sgi(grey + (alpha,), bits), lit(grey), alpha)
+        yield Row(f"rgb{bits}.sgi", sgi(rgb, bits), lit(rgb))
+        yield Row(f"rgba{bits}.sgi", sgi(rgb + (alpha,), bits), lit(rgb), alpha)
+    rgb, (alpha,) = stored(RGB, 8), stored(ALPHA, 8)
+    yield Row("grey.tga", targa(stored(GREY, 8)), lit(stored(GREY, 8)))
+    yield Row("rgb.tga", targa(rgb), lit(rgb))
+    yield Row("rgba.tga", targa(rgb + (alpha,)), lit(rgb), alpha)
+    held = stored(associated(rgb + (alpha,)), 8)
+    yield Row("tied.tga", targa(held, True), lit(tuple(v / held[-1] for v in held[:-1])), alpha)
+    for is_text in False, True:
+        yield Row(f"bits{is_text}.pbm", pnm((1,), 1, is_text), (1,))
+        for most in 255, 1023, 4095, 65535:
+            grey, rgb = (tuple(round(v * most) / most for v in pixel) for pixel in (GREY, RGB))
+            near = 2e-5 if most == 255 else 1e-4  # OpenImageIO rounds down, at times by more
+            yield Row(f"{most}{is_text}.pgm", pnm(grey, most, is_text), lit(grey), near=near)
+            yield Row(f"{most}{is_text}.ppm", pnm(rgb, most, is_text), lit(rgb), near=near)
+
+
+def float_rows():
+    color = (0.75, 0.5, 0.25)
+    asked = "encoding: ENCODING_SRGB"
+    yield Row("rgb.pfm", pfm(color), color)
+    yield Row("grey.pfm", pfm((0.5,)), (0.5,))
+    for kind in "half", "float":
+        yield Row(f"grey{kind}.tif", tiff((0.5,), kind), (0.5,))
+        yield Row(f"rgb{kind}.tif", tiff(color, kind), color)
+        yield Row(f"asked{kind}.tif", tiff(color, kind), lit(color), encoding=asked)
+        yield Row(f"loose{kind}.tif", tiff(color + (0.5,), kind, 2), color, 0.5)
+        yield Row(f"tied{kind}.tif", tiff(associated(color + (0.5,)), kind, 1), color, 0.5)
+
+        def of(names, pixel):
+            return exr(dict(zip(names, pixel)), kind)
+        tied = associated(color + (0.5,))
+        yield Row(f"y{kind}.exr", of("Y", (0.5,)), (0.5,))
+        yield Row(f"ya{kind}.exr", of("YA", (0.25, 0.5)), (0.5,), 0.5)
+        yield Row(f"rgb{kind}.exr", of("RGB", color), color)
+        yield Row(f"linear{kind}.exr", of("RGB", color), color, encoding="encoding: ENCODING_LINEAR")
+        yield Row(f"asked{kind}.exr", of("RGB", color), lit(color), encoding=asked)
+        yield Row(f"rgba{kind}.exr", of("RGBA", tied), color, 0.5)
+        yield Row(f"small{kind}.exr", of("rgba", tied), color, 0.5)
+        yield Row(f"words{kind}.exr", of(("red", "green", "blue", "alpha"), tied), color, 0.5)
+        yield Row(f"depth{kind}.exr", of("RGBZ", color + (0.5,)), color)
+        yield Row(f"many{kind}.exr",
+                  of(("R", "G", "B", "A", "Z", "albedo.R", "albedo.G", "albedo.B", "AR"),
+                     tied + (7, 1, 1, 1, 1)), color, 0.5)
+        yield Row(f"layer{kind}.exr",
+                  of(("View.AO.R", "View.AO.G", "View.AO.B", "View.Combined.R", "View.Combined.G",
+                      "View.Combined.B", "View.Combined.A", "View.Depth.Z"),
+                     (1, 1, 1) + tied + (9,)), color, 0.5)
+        yield Row(f"two{kind}.exr", of("RG", (0.75, 0.5)), (0.75, 0.5, 0))
+        yield Row(f"mask{kind}.exr", of(("matte",), (0.5,)), (0.5,))
+        luminance = 0.2126 * 0.75 + 0.7152 * 0.5 + 0.0722 * 0.25
+        yield Row(f"chroma{kind}.exr",
+                  of(("Y", "RY", "BY"), (luminance, 0.75 / luminance - 1, 0.25 / luminance - 1)), color,
+                  near=1e-3)
+        inside = {name: (lambda x, y, v=v: v if 0 <= x < 2 and 0 <= y < 2 else 9)
+                  for name, v in zip("RGB", color)}
+        yield Row(f"overscan{kind}.exr", exr(inside, kind, (-2, -3, 4, 5), (0, 0, 1, 1)), color)
+        yield Row(f"far{kind}.exr", exr(dict(zip("RGB", color)), kind, (7, 7, 9, 9), (0, 0, 1, 1)), color)
+
+
+class StoredSamples(TesseraTest):
+    def pixels(self, scene):
+        """Three floats for each, the lowest row first."""
+        self.write("scene.tessera", scene)
+        result = self.run_program("render", "scene.tessera", "--workers", "0", "--spp", "1", "--quiet",
+                                  "-o", "out.pfm")
+        self.assertEqual(0, result.code, result.err)
+        data = (self.folder / "out.pfm").read_bytes().split(b"\n", 3)[3]
+        values = array.array("f", data)
+        return [list(values[i:i + 3]) for i in range(0, len(values), 3)]
+
+    def row_of(self, quads, width, behind=0):
+        """A pixel of each of the quads."""
+        return self.pixels(SCENE % {"width": width, "height": 1, "span": width, "behind": behind} + quads)
+
+    def test_every_kind_is_the_colour_and_coverage_that_its_file_says(self):
+        rows = [*integer_rows(), *float_rows()]
+        names = [row.name for row in rows]
+        self.assertEqual(len(names), len(set(names)))
+        for row in rows:
+            self.write(row.name, row.data)
+        quads = "".join(QUAD % {"i": i, "file": row.name, "encoding": row.encoding}
+                        for i, row in enumerate(rows))
+        for behind in 0, 1:
+            for row, pixel in zip(rows, self.row_of(quads, len(rows), behind)):
+                with self.subTest(file=row.name, encoding=row.encoding, behind=behind):
+                    for is_, wanted in zip(pixel, row.over(behind)):
+                        self.assertAlmostEqual(wanted, is_, delta=row.near)
+
+    def test_what_loses_a_little_is_codes_too(self):
+        """JPEG, and WebP, whose alpha OpenImageIO 2.4 multiplies into codes of 8 bits."""
+        subprocess.run(["oiiotool", "--create", "16x16", "3", "--fill:color=.7372549,.5019608,.2509804",
+                        "16x16", "-d", "uint8", "--compression", "jpeg:100", "-o", self.folder / "a.jpg"],
+                       check=True, stdout=subprocess.DEVNULL)
+        self.write("a.webp", WEBP)
+        quads = "".join(QUAD % {"i": i, "file": name, "encoding": ""} for i, name in
+                        enumerate(["a.jpg", "a.webp"]))
+        jpeg, webp = self.row_of(quads, 2)
+        for i, wanted in enumerate(lit(RGB)):
+            self.assertAlmostEqual(wanted, jpeg[i], delta=0.02)
+        for i, code in enumerate((87, 46, 28)):
+            self.assertAlmostEqual(light(code / 255) * 128 / 255, webp[i], delta=0.003)
+
+    def test_beside_an_associated_edge_nothing_is_dark(self):
+        """A white disc with a soft edge, before white."""
+        def cover(x, y):
+            return max(0, min(1, 6.5 - ((x - 7.5) ** 2 + (y - 7.5) ** 2) ** 0.5))
+        self.write("disc.exr", exr(dict.fromkeys("RGBA", cover), data=(0, 0, 15, 15)))
+        quad = QUAD % {"i": 0, "file": "disc.exr", "encoding": ""}
+        for side in 64, 5:  # larger than the picture, and by its levels
+            scene = SCENE % {"width": side, "height": side, "span": 1, "behind": 1} + quad
+            self.assertGreater(min(map(min, self.pixels(scene))), 0.999)
+
+    def test_pixels_that_a_display_window_lacks_are_clear(self):
+        self.write("part.exr", exr({"R": 1, "G": 1, "B": 1, "A": 1}, data=(0, 0, 0, 1), display=(0, 0, 1, 1)))
+        quad = QUAD % {"i": 0, "file": "part.exr", "encoding": "filter: NEAREST"}
+        self.assertEqual([[1, 1, 1], [0, 0, 0]], self.row_of(quad.replace("edge_u { x: 1", "edge_u { x: 2"), 2))
+
+    def test_a_panorama_is_light_whatever_its_alpha(self):
+        self.write("sky16.png", png((128 / 255,) * 3, 16))
+        self.write("sky.exr", exr(dict(zip("RGBA", (0.25, 0.25, 0.25, 0.5)))))
+        self.write("clear.exr", exr(dict(zip("RGBA", (0.25, 0.25, 0.25, 0)))))
+        for name, wanted in ("sky16.png", light(128 / 255)), ("sky.exr", 0.25), ("clear.exr", 0.25):
+            with self.subTest(name):
+                scene = ("settings { width: 1 height: 1 } cameras { }\n"
+                         'background { panorama { texture: "t" } }\n'
+                         f'textures {{ name: "t" image {{ file: "{name}" }} }}\n')
+                self.assertAlmostEqual(wanted, self.pixels(scene)[0][0], delta=1e-6)
+
+    def test_info_tells_the_channels_that_are_not_used(self):
+        self.write("own.exr", exr(dict.fromkeys(["R", "G", "B", "Z", "albedo.R", "albedo.G"], 0.5)))
+        self.write("scene.tessera", QUAD % {"i": 0, "file": "own.exr", "encoding": ""})
+        result = self.run_program("info", "scene.tessera", "--json")
+        self.assertEqual(0, result.code, result.err)
+        self.assertIn("channels Z, albedo.R, albedo.G of 'own.exr'", json.loads(result.out)["unused"])
+
+    def test_metrics_compare_light(self):
+        self.write("a.png", png(RGB, 16))
+        self.write("b.exr", exr(dict(zip("RGB", lit(RGB))), "float"))
+        self.write("c.png", png(RGB, 8))
+        result = self.run_program("compare", "a.png", "c.png", "--metrics")
+        rmse = next(line for line in result.out.splitlines() if line.startswith("linear rmse")).split()[2]
+        self.assertLess(float(rmse), 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
