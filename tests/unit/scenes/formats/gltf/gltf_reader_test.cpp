@@ -449,7 +449,7 @@ TEST(Gltf, NumbersThatAreNotFiniteAreLeftOut) {
   EXPECT_EQ(rows[11], 0);
   EXPECT_EQ(loaded.warnings,
             std::vector<std::string>{
-                "t.gltf:2:45: NaN; expected a finite number; it is left out (3 times)"});
+                "t.gltf:2:42: NaN; expected a finite number; it is left out (3 times)"});
   EXPECT_EQ(warnings("{\"asset\":{\"version\":\"2.0\"},\n\"skins\":[{},{\"name\":42}]}"),
             std::vector<std::string>{"t.gltf:2:21: skins/1/name: a value of type number; expected "
                                      "text; it is left out"});
@@ -483,7 +483,7 @@ TEST(Gltf, OddNodesDoNotCostTheFile) {
                                      "expected a unit one; the node is not turned"});
   EXPECT_EQ(warnings(with_node(R"("scale":[0,1,1])")),
             std::vector<std::string>{
-                "t.gltf:1:51: nodes/1: a camera in a flat frame; expected a frame that can be "
+                "t.gltf:1:50: nodes/1: a camera in a flat frame; expected a frame that can be "
                 "inverted; the camera is left out (2 times)"});
   EXPECT_EQ(warnings(with_node(R"("mesh":-1)")),
             std::vector<std::string>{
@@ -512,11 +512,11 @@ TEST(Gltf, OddLightsAndCamerasDoNotCostTheFile) {
   EXPECT_EQ(
       odd.warnings,
       (std::vector<std::string>{
-          "t.gltf:1:254: extensions/KHR_lights_punctual/lights/0/color/2: -2; expected 0 or "
+          "t.gltf:1:239: extensions/KHR_lights_punctual/lights/0/color/2: -2; expected 0 or "
           "more; 0 is taken",
-          "t.gltf:1:224: extensions/KHR_lights_punctual/lights/0/intensity: -3; expected 0 or "
+          "t.gltf:1:214: extensions/KHR_lights_punctual/lights/0/intensity: -3; expected 0 or "
           "more; 0 is taken",
-          "t.gltf:1:178: extensions/KHR_lights_punctual/lights/0/spot/innerConeAngle: 0.5; "
+          "t.gltf:1:176: extensions/KHR_lights_punctual/lights/0/spot/innerConeAngle: 0.5; "
           "expected 0 to 0.4; 0.4 is taken"}));
   EXPECT_EQ(light(R"("type":"area")").scene.nodes_size(), 0);
   EXPECT_EQ(light(R"("type":"area")").repairs.size(), 1u);

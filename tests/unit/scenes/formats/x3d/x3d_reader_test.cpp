@@ -354,16 +354,16 @@ TEST(X3d, OneOddValueDoesNotCostTheFile) {
       shape("<Disk2D innerRadius='-1'/>") + shape("<Box size='0 1 1'/>"));
   EXPECT_EQ(loaded.warnings,
             (std::vector<std::string>{
-                "t.x3d:4:25: fieldOfView 3.2; expected an angle between 0 and pi; pi / 4 is taken",
                 "t.x3d:3:17: radius -1 of Sphere; expected a length above 0; the shape is left out",
+                "t.x3d:4:25: fieldOfView 3.2; expected an angle between 0 and pi; pi / 4 is taken",
                 "t.x3d:5:17: 'maybe'; expected true or false; true is taken for visible",
                 "t.x3d:6:23: a direction of 0 0 0; expected a direction; 0 0 -1 is taken",
                 "t.x3d:6:43: cutOffAngle 3.2; expected an angle above 0, up to pi; pi is taken",
                 "t.x3d:7:25: cutOffAngle 0; expected an angle above 0, up to pi; the light is left "
                 "out",
-                "t.x3d:8:68: innerRadius -1; expected 0 or more, and less than outerRadius; 0 is "
+                "t.x3d:8:65: innerRadius -1; expected 0 or more, and less than outerRadius; 0 is "
                 "taken",
-                "t.x3d:9:59: size of Box; expected lengths above 0; the shape is left out"}));
+                "t.x3d:9:55: size of Box; expected lengths above 0; the shape is left out"}));
   EXPECT_EQ(loaded.repairs.size(), loaded.warnings.size());
 }
 
