@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "client/refusal.h"
 #include "client/submitted_job.h"
 #include "proto/tessera/v1/farm.pb.h"
@@ -52,13 +53,14 @@ class FarmClient {
   using Handler = std::function<bool(Channel, const v1::Envelope&)>;
   /// Sends `question`, again each second until `done` is true of what came.
   void converse(Channel channel, const v1::Envelope& question, const Handler& done);
+  /// Waits a little for messages, and handles them.
   void receive(const Handler& handle, bool& done);
 
   ClientTransport& transport_;
   std::string endpoint_;
   const std::atomic<bool>& stop_;
   Time patience_;
-  Time last_heard_;
+  Silence silence_;  ///< of the coordinator
   FirstWord first_word_;
   uint64_t bytes_sent_ = 0, blobs_sent_ = 0;
 };
