@@ -21,6 +21,8 @@ constexpr Time kAskAgain = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kLongestWait{50};
 /// How long an interrupted submission waits to hear that it is cancelled.
 constexpr Time kWithdrawing = std::chrono::seconds(2);
+// Where a wait takes longer, this process did not run.
+constexpr Time kLongestRound = std::chrono::seconds(1);
 
 /// Questions asked by any client: the answer to one of a client that is gone may still come over
 /// the connection that the next one uses.
@@ -42,14 +44,17 @@ FarmClient::FarmClient(ClientTransport& transport, std::string endpoint,
       endpoint_(std::move(endpoint)),
       stop_(stop),
       patience_(patience),
-      last_heard_(monotonic_now()),
-      first_word_(last_heard_) {}
+      silence_(monotonic_now()),
+      first_word_(monotonic_now()) {}
 
 void FarmClient::receive(const Handler& handle, bool& done) {
+  const Time due = monotonic_now() + kLongestRound;
+  transport_.wait(kLongestWait);
+  silence_.listen(due, monotonic_now());
   while (const auto received = transport_.receive()) {
     const auto message = decode(received->bytes, max_message_bytes(received->channel));
     if (!message) continue;
-    last_heard_ = monotonic_now();
+    silence_.heard(monotonic_now());
     first_word_.heard();
     check_not_refused(*message, endpoint_);
     done |= handle(received->channel, *message);
@@ -59,19 +64,18 @@ void FarmClient::receive(const Handler& handle, bool& done) {
 void FarmClient::converse(Channel channel, const v1::Envelope& question, const Handler& done,
                           const std::string& interrupted) {
   Time ask = monotonic_now();
-  last_heard_ = ask;
+  silence_.heard(ask);
   for (bool finished = false; !finished;) {
-    const Time now = monotonic_now();
-    if (now >= ask) {
+    if (const Time now = monotonic_now(); now >= ask) {
       transport_.send(channel, encode(question));
       ask = now + kAskAgain;
     }
-    transport_.wait(kLongestWait);
     receive(done, finished);
+    const Time now = monotonic_now();
     check_let_in(transport_, endpoint_);
     first_word_.check(transport_, endpoint_, now);
     if (stop_) throw Error(ExitCode::interrupted, interrupted);
-    if (now - last_heard_ > patience_) {
+    if (silence_.length(now) > patience_) {
       throw UnreachableError(
           endpoint_,
           fmt::format("no word from the coordinator at {} for {} s{}; expected an answer",
@@ -125,7 +129,6 @@ std::string FarmClient::withdraw(uint64_t submission) {
       transport_.send(Channel::control, encode(order));
       ask = now + kAskAgain;
     }
-    transport_.wait(kLongestWait);
     bool ignored = false;
     receive(
         [&](Channel, const v1::Envelope& message) {
@@ -221,15 +224,14 @@ std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
   fetch.want(*digest, size);
   BlobStore store;
   bool missing = false;
-  last_heard_ = monotonic_now();
-  TroublePatience trouble(patience_, last_heard_);
+  silence_.heard(monotonic_now());
+  TroublePatience trouble(patience_, monotonic_now());
   while (!fetch.finished()) {
     for (v1::BlobRequest& request : fetch.requests(monotonic_now())) {
       v1::Envelope message;
       *message.mutable_blob_request() = std::move(request);
       transport_.send(Channel::bulk, encode(message));
     }
-    transport_.wait(kLongestWait);
     bool ignored = false;
     receive(
         [&](Channel, const v1::Envelope& message) {
@@ -246,7 +248,7 @@ std::optional<Film> FarmClient::fetch_film(const v1::JobStatus& status) {
     check_let_in(transport_, endpoint_);
     if (stop_) throw Error(ExitCode::interrupted, "interrupted");
     trouble.check(transport_, endpoint_, true, monotonic_now());
-    if (monotonic_now() - last_heard_ > patience_) {
+    if (silence_.length(monotonic_now()) > patience_) {
       throw UnreachableError(endpoint_,
                              fmt::format("no word from the coordinator at {}", endpoint_));
     }
@@ -285,7 +287,6 @@ std::optional<Film> FarmClient::fetch_done(const v1::JobStatus& status, uint32_t
 void FarmClient::wait(Time time) {
   const Time end = monotonic_now() + time;
   while (monotonic_now() < end && !stop_) {
-    transport_.wait(kLongestWait);
     bool ignored = false;
     receive([](Channel, const v1::Envelope&) { return false; }, ignored);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "client/refusal.h"
 #include "client/submitted_job.h"
 #include "proto/tessera/v1/farm.pb.h"
@@ -58,13 +59,14 @@ class FarmClient {
                 const std::string& interrupted = "interrupted");
   /// Has the coordinator cancel what was submitted. Returns what became of it.
   std::string withdraw(uint64_t submission);
+  /// Waits a little for messages, and handles them.
   void receive(const Handler& handle, bool& done);
 
   ClientTransport& transport_;
   std::string endpoint_;
   const std::atomic<bool>& stop_;
   Time patience_;
-  Time last_heard_;
+  Silence silence_;  ///< of the coordinator
   FirstWord first_word_;
   uint64_t bytes_sent_ = 0, blobs_sent_ = 0;
 };

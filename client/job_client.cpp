@@ -41,7 +41,7 @@ constexpr Time kCancelPatience = std::chrono::seconds(2);
 }  // namespace
 
 JobClient::JobClient(const JobSpec& job, uint64_t submission, Time now)
-    : crop_(job.crop), aovs_(job.frame.aovs()), last_heard_(now), next_question_(now) {
+    : crop_(job.crop), aovs_(job.frame.aovs()), silence_(now), next_question_(now) {
   add_frame(job_, job);
   job_.request.set_submission(submission);
   on_tick(now);
@@ -57,6 +57,7 @@ std::vector<std::pair<Channel, v1::Envelope>> JobClient::take_outgoing() {
 
 void JobClient::on_tick(Time now) {
   if (result_) return;
+  silence_.listen(next_question_, now);
   if (cancelled_ && now >= *cancelled_ + kCancelPatience) return finish_interrupted();
   if (status_.state() == v1::JobStatus::ENDED) {
     fetch_film(now);
@@ -91,7 +92,7 @@ void JobClient::finish_interrupted() {
 }
 
 void JobClient::on_message(Channel channel, const v1::Envelope& message, Time now) {
-  last_heard_ = now;
+  silence_.heard(now);
   if (message.has_job_status()) on_status(message.job_status(), now);
   if (message.has_blob_request()) {
     const auto digest = Digest::parse(message.blob_request().digest());

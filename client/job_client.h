@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "client/submitted_job.h"
 #include "job/job.h"
 #include "proto/transport/transport.h"
@@ -25,6 +26,7 @@ class JobClient {
   JobClient(const JobSpec& job, uint64_t submission, Time now);
 
   void on_message(Channel channel, const v1::Envelope& message, Time now);
+  /// To be called at next_deadline().
   void on_tick(Time now);
   Time next_deadline() const { return next_question_; }
   std::vector<std::pair<Channel, v1::Envelope>> take_outgoing();
@@ -42,8 +44,8 @@ class JobClient {
   JobProgress progress() const { return progress_of(status_); }
   /// JobProgress::waiting_for while the coordinator has not answered.
   static constexpr char kForCoordinator[] = "the coordinator";
-  /// When the coordinator was last heard.
-  Time last_heard() const { return last_heard_; }
+  /// Of the coordinator, while this client listened.
+  Time silence(Time now) const { return silence_.length(now); }
   /// Set at the end; taken once. The film is one hole where it could not be fetched.
   std::optional<JobResult> take_result();
 
@@ -61,7 +63,8 @@ class JobClient {
   BlobFetch fetch_;
   v1::JobStatus status_;
   std::vector<std::pair<Channel, v1::Envelope>> outgoing_;
-  Time last_heard_, next_question_;
+  Silence silence_;
+  Time next_question_;
   int submits_again_ = 3;          ///< for a film that is gone
   std::optional<Time> cancelled_;  ///< when
   std::optional<JobResult> result_;

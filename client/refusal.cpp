@@ -60,9 +60,11 @@ void FirstWord::check(const ClientTransport& transport, const std::string& endpo
 void TroublePatience::check(const ClientTransport& transport, const std::string& endpoint,
                             bool needed, Time now) {
   const auto trouble = transport.trouble();
+  trouble_.listen(last_look_ + kBetweenLooks, now);
+  last_look_ = now;
   if (!needed || !trouble) {
-    last_fine_ = now;
-  } else if (now - last_fine_ > patience_) {
+    trouble_.heard(now);
+  } else if (trouble_.length(now) > patience_) {
     throw_unreachable(endpoint, *trouble);
   }
 }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 
@@ -64,13 +65,18 @@ class FirstWord {
 /// For a line that is away while the other one talks, so that nobody is silent.
 class TroublePatience {
  public:
-  TroublePatience(Time patience, Time now) : patience_(patience), last_fine_(now) {}
+  TroublePatience(Time patience, Time now) : patience_(patience), trouble_(now), last_look_(now) {}
   /// `needed`: something is waited for now that the connection as it is may never bring. Throws
   /// render_error where that has been so for all the patience.
   void check(const ClientTransport& transport, const std::string& endpoint, bool needed, Time now);
 
  private:
-  Time patience_, last_fine_;
+  /// Where looks are farther apart, this process did not run, or nothing was waited for.
+  static constexpr Time kBetweenLooks = std::chrono::seconds(2);
+
+  Time patience_;
+  Silence trouble_;
+  Time last_look_;
 };
 
 }  // namespace tessera

@@ -80,7 +80,7 @@ JobResult run_remote_job(ClientTransport& transport, const std::string& endpoint
       progress(told);
       next_progress = now + kTellProgress;
     }
-    if (now - client.last_heard() > patience) {
+    if (client.silence(now) > patience) {
       throw UnreachableError(
           endpoint,
           fmt::format(

@@ -318,6 +318,12 @@ std::vector<ClientService::Outgoing> ClientService::take_outgoing() {
 
 // ----------------------------------------------------------------------------------------- time
 
+void ClientService::forgive(Time silence, Time now) {
+  const auto shift = [&](Time& last_heard) { last_heard = std::min(now, last_heard + silence); };
+  for (auto& [id, submission] : submissions_) shift(submission.last_heard);
+  for (auto& [id, client] : attached_) shift(client.last_heard);
+}
+
 void ClientService::on_tick(Time now) {
   const auto gone = [&](Time last_heard) { return now - last_heard >= options_.client_timeout; };
   std::vector<uint64_t> ids;

@@ -38,6 +38,8 @@ class ClientService {
   void on_chunk(const v1::BlobChunk& chunk, Time now);
   void on_missing(const v1::BlobMissing& missing, Time now);
   void on_tick(Time now);
+  /// So much of everybody's silence does not count: the coordinator itself did not listen.
+  void forgive(Time silence, Time now);
   /// What a client that asks this is answered; what it orders is done.
   v1::JobStatus ask(const v1::JobQuery& query, Time now);
   std::vector<Outgoing> take_outgoing();

@@ -200,7 +200,11 @@ void Coordinator::on_process_ended(pid_t process, bool crashed, const std::strin
 void Coordinator::on_tick(Time now) {
   // Who slept through its own deadline (a stopped process, a suspended machine) heard nobody.
   const Time overslept = first_tick_ ? now - next_tick_ : Time{0};
-  if (overslept > options_.heartbeat) workers_->forgive(overslept);
+  if (overslept > options_.heartbeat) {
+    // A heartbeat more, for what is on its way.
+    workers_->forgive(overslept + options_.heartbeat, now);
+    clients_->forgive(overslept + options_.heartbeat, now);
+  }
   if (!first_tick_) first_tick_ = now;
   jobs_->account(now);
   jobs_->keep_rest();

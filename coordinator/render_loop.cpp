@@ -23,6 +23,8 @@ namespace {
 constexpr Time kFarewell = std::chrono::milliseconds(300);
 constexpr std::chrono::milliseconds kBetweenFarewells{20};
 constexpr Time kLookAtProcesses = std::chrono::milliseconds(20);
+// Where a look comes so much too late, this process did not run.
+constexpr Time kLongestDelay = std::chrono::seconds(1);
 constexpr Time kTellProgress = std::chrono::milliseconds(100);
 // After so many messages, what is due by the clock has its turn.
 constexpr int kMessagesPerRound = 256;
@@ -244,16 +246,19 @@ void RenderLoop::deliver() {
 }
 
 void RenderLoop::kill_silent(Time now) {
-  std::map<pid_t, Time> silent;
+  std::map<pid_t, std::optional<Silence>> silent;
   for (const pid_t process : local_workers_->processes()) {
     if (coordinator_->workers().knows_process(process)) continue;
     const auto known = silent_since_.find(process);
-    Time since = known == silent_since_.end() ? now : known->second;
-    if (now - since > greeting_) {
+    // Nothing once it was killed, though it may not have ended by the next look.
+    std::optional<Silence> silence =
+        known == silent_since_.end() ? std::optional(Silence(now)) : known->second;
+    if (silence) silence->listen(next_look_ + kLongestDelay, now);
+    if (silence && silence->length(now) > greeting_) {
       local_workers_->kill_silent(process);
-      since = Time::max();  // once, though it may not have ended by the next look
+      silence.reset();
     }
-    silent.emplace(process, since);
+    silent.emplace(process, silence);
   }
   silent_since_ = std::move(silent);
 }
@@ -261,10 +266,10 @@ void RenderLoop::kill_silent(Time now) {
 void RenderLoop::attend_local_workers(Time now) {
   const JobProgress progress = coordinator_->progress(now);
   const bool is_idle = progress.tiles_done == progress.tiles_total;
-  next_look_ = now + (is_idle ? kLongestWait : kLookAtProcesses);
   if (progress.tiles_done != std::exchange(tiles_done_, progress.tiles_done))
     local_workers_->note_progress();
   kill_silent(now);
+  next_look_ = now + (is_idle ? kLongestWait : kLookAtProcesses);
   for (const pid_t process : coordinator_->take_stuck_processes()) {
     local_workers_->kill_stuck(process);
   }

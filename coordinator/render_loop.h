@@ -7,10 +7,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "base/silence.h"
 #include "base/tally.h"
 #include "coordinator/coordinator_options.h"
 #include "coordinator/local_workers.h"
@@ -104,8 +106,9 @@ class RenderLoop {
   std::unique_ptr<Coordinator> coordinator_;
   LocalWorkers* local_workers_ = nullptr;
   KeyRegistry* keys_ = nullptr;
-  Time greeting_;                       ///< as in CoordinatorOptions
-  std::map<pid_t, Time> silent_since_;  ///< local workers that have not said hello
+  Time greeting_;  ///< as in CoordinatorOptions
+  std::map<pid_t, std::optional<Silence>>
+      silent_since_;                    ///< local workers that have not said hello
   Time next_look_{};                    ///< at local workers
   uint64_t tiles_done_ = 0;             ///< when last looked at
   Tally garbage_;                       ///< messages that nobody can read

@@ -216,8 +216,11 @@ WorkerRegistry::Silence WorkerRegistry::check(Time now) {
   return silence;
 }
 
-void WorkerRegistry::forgive(Time silence) {
-  for (auto& [id, worker] : workers_) worker.last_heard += silence;
+void WorkerRegistry::forgive(Time silence, Time now) {
+  for (auto& [id, worker] : workers_) {
+    worker.last_heard = std::min(now, worker.last_heard + silence);
+    worker.got_on = std::min(now, worker.got_on + silence);
+  }
 }
 
 std::vector<WorkerRecord*> WorkerRegistry::present() {

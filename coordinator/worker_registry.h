@@ -108,8 +108,8 @@ class WorkerRegistry {
     std::vector<WorkerRecord*> lost;      ///< to be given to lose()
   };
   Silence check(Time now);
-  /// So much of everybody's silence does not count: the coordinator itself did not listen.
-  void forgive(Time silence);
+  /// As WorkerService::forgive().
+  void forgive(Time silence, Time now);
   /// Those not lost.
   std::vector<WorkerRecord*> present();
   int present_count() const;

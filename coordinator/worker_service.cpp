@@ -428,6 +428,11 @@ void WorkerService::lose(WorkerRecord& worker, LossCause cause, const std::strin
   }
 }
 
+void WorkerService::forgive(Time silence, Time now) {
+  workers_.forgive(silence, now);
+  for (ActiveFrame* job : jobs_.running()) job->scheduler().forgive(silence, now);
+}
+
 void WorkerService::on_tick(Time now) {
   const auto silence = workers_.check(now);
   for (WorkerRecord* worker : silence.suspects) {

@@ -34,8 +34,9 @@ class WorkerService {
   void on_peer_gone(const PeerId& peer, Time now, bool welcomed);
   void on_process_ended(pid_t process, bool crashed, const std::string& how, Time now);
   void on_tick(Time now);
-  /// As WorkerRegistry::forgive().
-  void forgive(Time silence) { workers_.forgive(silence); }
+  /// So much of everybody's silence, and of the time in which nobody told of progress, does not
+  /// count: the coordinator itself did not listen.
+  void forgive(Time silence, Time now);
   /// As WorkerRegistry::forgive_keys().
   void forgive_keys() { workers_.forgive_keys(); }
   /// Tells workers what has begun and ended.

@@ -48,7 +48,7 @@ void StudioSession::connect(ClientId client, Time now) {
     orders_.push_back(CloseClient{client, close_code::kTryLater, "too many pages"});
     return;
   }
-  clients_[client].connected = now;
+  clients_[client].silence.heard(now);
 }
 
 void StudioSession::disconnect(ClientId client) {
@@ -348,10 +348,11 @@ void StudioSession::set_farm(nlohmann::json farm) {
 StudioOrders StudioSession::tick(Time now) {
   Time greeting = Time::max();
   std::vector<ClientId> silent;
-  for (const auto& [client, known] : clients_) {
+  for (auto& [client, known] : clients_) {
     if (known.role != StudioRole::none) continue;
-    if (now >= known.connected + kHelloWithin) silent.push_back(client);
-    greeting = std::min(greeting, known.connected + kHelloWithin);
+    known.silence.listen(deadline_, now);
+    if (known.silence.length(now) >= kHelloWithin) silent.push_back(client);
+    greeting = std::min(greeting, known.silence.reaches(kHelloWithin));
   }
   for (const ClientId client : silent) shut_out(client, close_code::kNoToken, "no hello in time");
   show_texts();

@@ -11,6 +11,7 @@
 
 #include "base/digest.h"
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "studio/latest_requests.h"
 #include "studio/live_views.h"
 #include "studio/open_documents.h"
@@ -111,8 +112,8 @@ class StudioSession {
   };
   struct Client {
     StudioRole role = StudioRole::none;
-    Time connected{};
-    std::string id;  ///< of its page, which it keeps when it resumes
+    Silence silence{Time{0}};  ///< since it connected, until its hello
+    std::string id;            ///< of its page, which it keeps when it resumes
     Flow messages{};
     int chunks_waiting = 0;
   };

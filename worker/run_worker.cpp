@@ -14,6 +14,7 @@
 #include "base/log.h"
 #include "base/plural.h"
 #include "base/process_usage.h"
+#include "base/silence.h"
 #include "base/tally.h"
 #include "base/version.h"
 #include "proto/transport/listening.h"
@@ -31,6 +32,8 @@ namespace {
 constexpr uint32_t kTilesPerThread = 5;
 // How soon `stop` is noticed.
 constexpr Time kLongestWait = std::chrono::milliseconds(100);
+// Where one takes longer, this process did not run.
+constexpr Time kLongestRound = std::chrono::seconds(1);
 // Then it is told what is known of a coordinator that has not answered.
 constexpr Time kFirstPatience = std::chrono::seconds(2);
 // After so many messages, what is traced and what is due by the clock has its turn.
@@ -108,10 +111,11 @@ class WorkerLoop {
         perform();
         break;
       }
-      const Time pause =
-          std::clamp(session_.next_deadline() - monotonic_now(), Time{0}, kLongestWait);
+      const Time begin = monotonic_now();
+      const Time pause = std::clamp(session_.next_deadline() - begin, Time{0}, kLongestWait);
       // Rounded up, or the last millisecond would be spent in circles.
       transport_.wait(std::chrono::ceil<std::chrono::milliseconds>(pause));
+      idle_.listen(begin + kLongestRound, monotonic_now());
       receive();
       while (const auto found = loader_.take_found()) session_.on_found(*found, monotonic_now());
       while (auto built = service_.take_built()) {
@@ -158,7 +162,7 @@ class WorkerLoop {
     for (size_t i = 0; i < kMessagesPerRound; ++i) {
       const auto received = transport_.receive();
       if (!received) return;
-      if (received->channel == Channel::bulk) last_work_ = monotonic_now();
+      if (received->channel == Channel::bulk) idle_.heard(monotonic_now());
       const auto message = decode(received->bytes, max_message_bytes(received->channel));
       if (message) {
         session_.on_message(received->channel, *message, monotonic_now());
@@ -170,8 +174,8 @@ class WorkerLoop {
   }
 
   bool is_idle() {
-    if (underway_ > 0) last_work_ = monotonic_now();
-    return idle_timeout_ != Time::max() && monotonic_now() - last_work_ > idle_timeout_;
+    if (underway_ > 0) idle_.heard(monotonic_now());
+    return idle_timeout_ != Time::max() && idle_.length(monotonic_now()) > idle_timeout_;
   }
 
   void tell_connection() {
@@ -247,8 +251,8 @@ class WorkerLoop {
   Time look_for_coordinator_ = monotonic_now() + kFirstPatience;
   int threads_;
   Time idle_timeout_;
-  Time last_work_ = monotonic_now();
-  int underway_ = 0;  ///< builds and traces that have not come back
+  Silence idle_{monotonic_now()};  ///< since there was work last
+  int underway_ = 0;               ///< builds and traces that have not come back
   Time drain_;
   std::optional<Time> drain_until_;
   bool told_welcome_ = false;

@@ -13,6 +13,7 @@ namespace {
 
 constexpr Time kFirstHelloPause = std::chrono::seconds(1);
 constexpr Time kLongestHelloPause = std::chrono::seconds(8);
+constexpr Time kLongestPause = std::chrono::seconds(1);
 // After the end of the one before it, where both come of one decision.
 constexpr Time kNextJobComes = std::chrono::milliseconds(5);
 // So often a coordinator may say that it has not a blob of the job that it told of.
@@ -41,7 +42,8 @@ uint32_t lowered_credit(uint32_t credit, uint32_t threads) {
 
 WorkerSession::WorkerSession(SessionOptions options, Time now)
     : options_(std::move(options)),
-      last_heard_(now),
+      silence_(now),
+      next_look_(now),
       next_hello_(now),
       hello_pause_(kFirstHelloPause),
       cache_(options_.blob_sources) {
@@ -119,7 +121,7 @@ void WorkerSession::forget_job(uint64_t job) {
     Job& over = it->second;
     if (over.building && over.run->started) {
       orphaned_builds_.push_back({over.start, over.run, over.dropped});
-      next_drop_ = last_heard_ + kNextJobComes;
+      next_drop_ = silence_.reaches(kNextJobComes);
     } else {
       *over.dropped = true;
     }
@@ -137,7 +139,7 @@ void WorkerSession::forget_jobs() {
 
 void WorkerSession::on_message(Channel channel, const v1::Envelope& message, Time now) {
   if (channel == Channel::bulk) return on_bulk(message, now);
-  last_heard_ = now;
+  silence_.heard(now);
   switch (message.message_case()) {
     case v1::Envelope::kWelcome:
       return on_welcome(message.welcome(), now);
@@ -407,7 +409,9 @@ void WorkerSession::send_heartbeat(Time now) {
 }
 
 void WorkerSession::on_tick(Time now) {
-  const Time silence = now - last_heard_;
+  silence_.listen(next_deadline(), now);
+  next_look_ = now + kLongestPause;
+  const Time silence = silence_.length(now);
   if (silence >= options_.orphan_timeout) {
     welcomed_ = false;
     actions_.push_back(Quit{ExitCode::render_failed, "the coordinator is silent"});
@@ -427,12 +431,12 @@ void WorkerSession::on_tick(Time now) {
 }
 
 Time WorkerSession::next_deadline() const {
-  Time next = welcomed_
-                  ? std::min(next_heartbeat_, last_heard_ + milliseconds(welcome_.lost_after_ms()))
-                  : next_hello_;
+  const Time lost = silence_.reaches(milliseconds(welcome_.lost_after_ms()));
+  Time next = welcomed_ ? std::min(next_heartbeat_, lost) : next_hello_;
+  next = std::min(next, next_look_);
   next = std::min(next, next_drop_);
   if (options_.orphan_timeout != Time::max()) {
-    next = std::min(next, last_heard_ + options_.orphan_timeout);
+    next = std::min(next, silence_.reaches(options_.orphan_timeout));
   }
   for (const auto& [id, job] : jobs_) {
     const auto fetch = job.fetches() ? job.fetch.next_deadline() : std::nullopt;

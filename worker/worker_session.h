@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 #include "worker/crash_record.h"
@@ -157,7 +158,9 @@ class WorkerSession {
   // The connection.
   bool welcomed_ = false, leaves_ = false;
   v1::Welcome welcome_;
-  Time last_heard_, next_hello_, next_heartbeat_{};
+  Silence silence_;  ///< of the coordinator
+  Time next_look_;   ///< at the latest: so that an absence is noticed
+  Time next_hello_, next_heartbeat_{};
   Time hello_pause_;
   std::map<uint64_t, Job> jobs_;
   /// Of jobs that are over. The next job often comes with the end of the one before it, and is of

@@ -375,6 +375,12 @@ bool TileScheduler::issued(LeaseId lease, WorkerId worker) const {
   return it != issued_.end() && it->second == worker;
 }
 
+void TileScheduler::forgive(Time silence, Time now) {
+  for (auto& [id, lease] : live_) {
+    lease.deadline = std::min(now + lease_length(tiles_[lease.tile]), lease.deadline + silence);
+  }
+}
+
 SchedulerEvents TileScheduler::expire(Time now) {
   SchedulerEvents events;
   std::vector<LeaseId> ended;

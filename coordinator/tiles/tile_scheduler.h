@@ -149,6 +149,8 @@ class TileScheduler {
   size_t abandon_checks(
       Time now,
       const std::function<bool(uint32_t tile, const std::vector<WorkerId>& traced_by)>& is_awaited);
+  /// So much of the time of each lease does not count: nobody listened to its worker.
+  void forgive(Time silence, Time now);
   /// Ends the leases that had no progress for too long.
   SchedulerEvents expire(Time now);
   /// One of expire()'s `stalled`, whose worker did nothing else either: it is blamed, the tile is

@@ -12,6 +12,7 @@
 #include "base/descriptors.h"
 #include "base/error.h"
 #include "base/monotonic.h"
+#include "base/silence.h"
 #include "proto/transport/address_finder.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/handshake_monitor.h"
@@ -26,6 +27,8 @@ namespace {
 constexpr size_t kMaxKept = 1024, kMaxKeptBytes = size_t{256} << 20;
 constexpr int kReconnectMs = 50, kReconnectMaxMs = 5000;
 constexpr std::chrono::seconds kRevivePause{1};
+/// Where a wait lasts longer than it should by so much, this process did not run.
+constexpr std::chrono::seconds kLongestDelay{1};
 /// So long the bulk line may be away before it is trouble: a coordinator that is started anew is
 /// not.
 constexpr std::chrono::seconds kBulkPatience{3};
@@ -63,7 +66,7 @@ class ZmqClient final : public ClientTransport {
             : text;
     if (full == bulk_endpoint_) return;
     bulk_endpoint_ = full;
-    bulk_there_ = monotonic_now();
+    bulk_absence_.heard(monotonic_now());
     bulk_fault_.clear();
     try {
       const Endpoint bulk = parse_endpoint(bulk_endpoint_);
@@ -87,14 +90,17 @@ class ZmqClient final : public ClientTransport {
       const int events = ZMQ_POLLIN | (line->kept.empty() ? 0 : ZMQ_POLLOUT);
       items[count++] = {line->socket.handle(), 0, static_cast<short>(events), 0};
     }
+    const Time due = monotonic_now() + timeout + kLongestDelay;
     poll_sockets(std::span(items).first(count), timeout);
+    bulk_silence_.listen(due, monotonic_now());
+    bulk_absence_.listen(due, monotonic_now());
     wake_->clear();
     for (Line* line : {&control_, &bulk_}) {
       if (line->monitor) line->monitor->read();
     }
     const bool connected = control_.monitor && control_.monitor->connected();
     if (host_.update(connected, monotonic_now())) open_control();
-    if (!bulk_.monitor || bulk_.monitor->connected()) bulk_there_ = monotonic_now();
+    if (!bulk_.monitor || bulk_.monitor->connected()) bulk_absence_.heard(monotonic_now());
     revive_bulk();
     flush(control_);
     flush(bulk_);
@@ -110,8 +116,8 @@ class ZmqClient final : public ClientTransport {
         ReceivedMessage message;
         message.channel = line == &control_ ? Channel::control : Channel::bulk;
         if (line == &bulk_) {
-          bulk_unanswered_.reset();
-          bulk_silence_ = kBulkSilence;
+          is_bulk_asked_ = false;
+          bulk_patience_ = kBulkSilence;
         }
         take_bytes(message, parts[0]);
         return message;
@@ -126,7 +132,9 @@ class ZmqClient final : public ClientTransport {
     const bool full =
         line.kept.size() >= kMaxKept || line.kept_bytes + bytes.size() > kMaxKeptBytes;
     if (full && !line.kept.empty()) return;
-    if (channel == Channel::bulk && !bulk_unanswered_) bulk_unanswered_ = monotonic_now();
+    if (channel == Channel::bulk && !std::exchange(is_bulk_asked_, true)) {
+      bulk_silence_.heard(monotonic_now());
+    }
     line.kept_bytes += bytes.size();
     line.kept.push_back(wrap(std::move(bytes)));
     flush(line);
@@ -138,7 +146,8 @@ class ZmqClient final : public ClientTransport {
       if (auto trouble = host_.trouble(monotonic_now())) return trouble;
     }
     if (!bulk_fault_.empty()) return ConnectionTrouble{.why = bulk_fault_};
-    if (!bulk_.monitor || monotonic_now() - bulk_there_ < kBulkPatience) return std::nullopt;
+    const Time away = bulk_absence_.length(monotonic_now());
+    if (!bulk_.monitor || away < kBulkPatience) return std::nullopt;
     // Never refused: the other line is there, and this one is tried for ever.
     return ConnectionTrouble{
         .why = fmt::format("scenes and pictures go by {}, which does not answer", bulk_endpoint_)};
@@ -173,11 +182,11 @@ class ZmqClient final : public ClientTransport {
     if (!bulk_.monitor) return;
     const Time now = monotonic_now();
     const bool refused = bulk_.monitor->trouble() && now - bulk_.opened >= kRevivePause;
-    const bool silent = bulk_unanswered_ && now - *bulk_unanswered_ >= bulk_silence_;
+    const bool silent = is_bulk_asked_ && bulk_silence_.length(now) >= bulk_patience_;
     if (!refused && !silent) return;
     if (silent) {
-      bulk_unanswered_.reset();
-      bulk_silence_ *= 2;
+      is_bulk_asked_ = false;
+      bulk_patience_ *= 2;
     }
     open(bulk_, parse_endpoint(bulk_endpoint_), Channel::bulk);
   }
@@ -242,9 +251,10 @@ class ZmqClient final : public ClientTransport {
   std::string bulk_endpoint_;
   std::string bulk_fault_;  ///< why there can be no bulk line
   Line control_, bulk_;
-  Time bulk_there_{};                    ///< when it was last connected, or had no need to be
-  std::optional<Time> bulk_unanswered_;  ///< since when there was no message on it
-  std::chrono::seconds bulk_silence_ = kBulkSilence;
+  Silence bulk_absence_{Time{0}};  ///< since it was last connected, or had no need to be
+  bool is_bulk_asked_ = false;     ///< something was sent there, and nothing came since
+  Silence bulk_silence_{Time{0}};  ///< since then
+  Time bulk_patience_ = kBulkSilence;
 };
 
 }  // namespace

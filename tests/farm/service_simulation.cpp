@@ -55,6 +55,7 @@ void ServiceSimulation::with_coordinator(const std::function<void(Coordinator&)>
 
 void ServiceSimulation::restart() {
   say("the coordinator is killed, and started anew");
+  coordinator_stopped_until_ = {};
   ++restarts_;
   options_.opening = opening_of(++openings_);
   coordinator_ = std::make_unique<Coordinator>(options_, store_);
@@ -247,6 +248,7 @@ bool ServiceSimulation::end_again() {
 
 std::string ServiceSimulation::run_service() {
   const Time start = now_;
+  plan_stop();
   for (int i = 0; i < 3; ++i) at(now_ + draw_time(milliseconds(500)), [this] { join(); });
   for (int i = 0; i < service_.jobs; ++i) at(now_ + draw_time(seconds(5)), [this, i] { come(i); });
   for (int i = 0; i < faults_.events; ++i) {
@@ -282,6 +284,7 @@ std::string ServiceSimulation::run_service() {
     const bool all = clients_.size() == static_cast<size_t>(service_.jobs) &&
                      std::all_of(clients_.begin(), clients_.end(),
                                  [](const auto& entry) { return entry.second.ended; });
+    if (hasty_workers() > 0) flaw_ = "a worker took its own absence for the coordinator's";
     if (all && !end_again()) return flaw_.empty() ? verdict() : flaw_;
   }
   return flaw_.empty() ? "the jobs do not end" : flaw_;

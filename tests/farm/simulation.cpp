@@ -23,6 +23,8 @@ Simulation::Simulation(uint64_t seed,
                        const std::function<void(Faults&, CoordinatorOptions&)>& adjust)
     : random_(seed) {
   draw_faults();
+  // Not drawn, so that the schedules of all others are what they were.
+  if (seed % 4 == 0) faults_.coordinator_stops = seconds(2 + seed / 4 % 60);
   options_.opening = opening_of(1);
   options_.host = kHost;
   options_.compress_pixels = draw() < 0.2;
@@ -90,6 +92,10 @@ void Simulation::carry(const v1::Envelope& message, const std::string& line,
 // --------------------------------------------------------------------------------------- network
 
 void Simulation::to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message) {
+  const Time reads = coordinator_stopped_until_ + kRead;
+  if (now_ < reads) {
+    return at(reads, [this, channel, peer, message] { to_coordinator(channel, peer, message); });
+  }
   const Worker* const worker = find(peer);
   const AllowedKey sender = worker ? worker->key : AllowedKey{};
   with_coordinator([&](Coordinator& c) { c.on_message(channel, peer, message, now_, sender); });
@@ -131,10 +137,10 @@ void Simulation::deliver() {
     };
     carry(out.message, fmt::format("{}<{}", peer, static_cast<int>(channel)),
           [this, peer, arrive](const v1::Envelope& message) {
-            // A stopped process finds its messages when it goes on.
+            // A stopped process finds its messages when it goes on, after it has seen the time.
             const Worker* worker = find(peer);
-            if (!worker || now_ >= worker->frozen_until) return arrive(message);
-            at(worker->frozen_until, [message, arrive] { arrive(message); });
+            if (!worker || now_ >= worker->frozen_until + kRead) return arrive(message);
+            at(worker->frozen_until + kRead, [message, arrive] { arrive(message); });
           });
   }
 }
@@ -151,7 +157,7 @@ void Simulation::deliver_client() {
 // ------------------------------------------------------------------------------------------ time
 
 Time Simulation::next_time() const {
-  Time next = coordinator_->next_deadline();
+  Time next = std::max(coordinator_->next_deadline(), coordinator_stopped_until_);
   if (!events_.empty()) next = std::min(next, events_.top().time);
   for (const auto& [process, worker] : workers_) {
     next = std::min(next, std::max(worker.session->next_deadline(), worker.frozen_until));
@@ -165,7 +171,7 @@ void Simulation::tick() {
     events_.pop();
     event.act();
   }
-  if (now_ >= coordinator_->next_deadline()) {
+  if (now_ >= std::max(coordinator_->next_deadline(), coordinator_stopped_until_)) {
     with_coordinator([this](Coordinator& c) { c.on_tick(now_); });
     for (const pid_t process : coordinator_->take_stuck_processes()) {
       crash(static_cast<uint32_t>(process), true, false);
@@ -207,6 +213,7 @@ void Simulation::submit() {
 
 void Simulation::restart_coordinator() {
   say("the coordinator is started anew");
+  coordinator_stopped_until_ = {};
   options_.opening = opening_of(++openings_);
   coordinator_ = std::make_unique<Coordinator>(options_);
   if (client_) return;
@@ -215,9 +222,18 @@ void Simulation::restart_coordinator() {
   deliver();
 }
 
+void Simulation::plan_stop() {
+  if (faults_.coordinator_stops == Time{0}) return;
+  at(now_ + draw_time(seconds(8)), [this] {
+    say("the coordinator is stopped");
+    coordinator_stopped_until_ = now_ + faults_.coordinator_stops;
+  });
+}
+
 std::optional<JobResult> Simulation::run() {
   const Time start = now_;
   submit();
+  plan_stop();
   if (faults_.restarts) at(now_ + draw_time(seconds(5)), [this] { restart_coordinator(); });
   for (size_t i = 0; i < (faults_.one_alone ? 1 : kWorkersAtStart); ++i)
     at(now_ + draw_time(milliseconds(500)), [this] { join(); });

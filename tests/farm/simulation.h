@@ -36,6 +36,7 @@ struct Faults {
   bool bad_scene = false;    ///< no worker can build the scene
   bool one_starves = false;  ///< the first worker has memory for one tile at a time
   bool restarts = false;     ///< the coordinator dies once, and another takes its place
+  Time coordinator_stops{};  ///< for so long the coordinator is stopped once
   /// Workers that hear nothing for so long end, and others take their place.
   Time orphan_timeout = Time::max();
   uint64_t result_bytes = uint64_t{1} << 20;  ///< what each keeps of its results in memory
@@ -56,6 +57,8 @@ class Simulation {
   const Faults& faults() const { return faults_; }
   Time now() const { return now_; }
   uint64_t messages() const { return messages_; }
+  /// Workers that had been stopped, and took the coordinator for silent before it could answer.
+  int hasty_workers() const { return hasty_workers_; }
   bool trace = false;  ///< tell on standard error what happens
 
  protected:
@@ -87,7 +90,8 @@ class Simulation {
     bool hangs = false;  ///< from its next tile on
     bool drains = false;
     double slowness = 1;
-    Time frozen_until{}, cut_until{};  ///< stopped; separated from the coordinator
+    Time frozen_from{}, frozen_until{};  ///< stopped
+    Time cut_until{};                    ///< separated from the coordinator
     bool cut_to = false, cut_from = false;
     size_t busy = 0;
     std::deque<std::shared_ptr<TraceRun>> queue;
@@ -102,6 +106,8 @@ class Simulation {
     }
   };
 
+  /// After so long a process that goes on has read what came while it was stopped.
+  static constexpr Time kRead = std::chrono::milliseconds(1);
   /// The machine of the coordinator and of some workers.
   static constexpr char kHost[] = "simulated";
 
@@ -128,6 +134,8 @@ class Simulation {
   static std::string opening_of(uint64_t number) { return job_id_of("simulated", number); }
   /// A new coordinator with a new job, whose picture is another.
   void restart_coordinator();
+  /// Stops it for a time some seconds from now, where faults want that.
+  void plan_stop();
   void submit();
 
   void to_coordinator(Channel channel, const PeerId& peer, const v1::Envelope& message);
@@ -155,12 +163,14 @@ class Simulation {
   std::map<std::string, Time> last_arrival_;  ///< by line, where messages keep their order
   CoordinatorOptions options_;
   std::unique_ptr<Coordinator> coordinator_;
+  Time coordinator_stopped_until_{};
   uint64_t id_ = 0;  ///< of the job, where no client asks for it
   std::map<uint32_t, Worker> workers_;
   uint32_t processes_ = 0, peers_ = 0;
   uint64_t handed_in_ = 0;  ///< results of processes that had ended, or for which there was no room
   std::unique_ptr<JobClient> client_;
   bool quiet_ = false;  ///< nothing goes wrong any more
+  int hasty_workers_ = 0;
 };
 
 }  // namespace tessera::testing

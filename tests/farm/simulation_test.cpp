@@ -30,6 +30,7 @@ std::string flaw(const Simulation& simulation, const std::optional<JobResult>& r
   if (report.counters.at("rays_primary") != rays)
     return "a tile was counted more or less than once";
   if (report.mismatches != 0) return "pixels differ";
+  if (simulation.hasty_workers() > 0) return "a worker took its own absence for the coordinator's";
   return "";
 }
 

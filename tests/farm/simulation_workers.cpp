@@ -74,7 +74,8 @@ void Simulation::crash(uint32_t process, bool noticed, bool own_fault) {
   const PeerId peer = worker->peer;
   workers_.erase(process);
   if (!noticed) return;
-  at(now_ + draw_time(milliseconds(50)), [this, peer, process, own_fault] {
+  const Time noticed_at = std::max(now_, coordinator_stopped_until_) + draw_time(milliseconds(50));
+  at(noticed_at, [this, peer, process, own_fault] {
     with_coordinator([&](Coordinator& c) {
       c.on_process_ended(static_cast<pid_t>(process), own_fault, "simulated", now_);
       c.on_peer_gone(peer, now_);
@@ -109,6 +110,7 @@ void Simulation::something_happens() {
       if (workers_.size() < kMostWorkers) join();
       return;
     case 3:
+      worker.frozen_from = now_;
       worker.frozen_until = now_ + (draw() < 0.3 ? Time(seconds(10000)) : draw_time(seconds(15)));
       return say(fmt::format("worker {} is stopped", worker.process));
     case kCutOff:
@@ -247,6 +249,9 @@ void Simulation::perform(Worker& worker) {
       }
     } else if (auto* quit = std::get_if<Quit>(&action)) {
       say(fmt::format("worker {} quits: {}", process, quit->reason));
+      const bool was_stopped = worker.frozen_until - worker.frozen_from >= seconds(3);
+      const bool is_orphan = !quit->refused && quit->exit_code == ExitCode::render_failed;
+      if (was_stopped && is_orphan && now_ < worker.frozen_until + seconds(1)) ++hasty_workers_;
       if (worker.spool && quit->refused) worker.spool->clear();
       leave_results(worker);
       if (!quit->refused && faults_.orphan_timeout != Time::max()) {

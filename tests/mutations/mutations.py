@@ -406,7 +406,7 @@ MUTATIONS = [
              "std::clamp(2 * (now - *answered_), kAskAgainAfter, kAskAgainAtLatest);",
              "kAskAgainAfter;", "farm_wire_test", "BlobFetch.*"),
     Mutation("farm: a bulk line that is away is no trouble", "proto/transport/zmq_client.cpp",
-             "if (!bulk_.monitor || monotonic_now() - bulk_there_ < kBulkPatience) return std::nullopt;",
+             "if (!bulk_.monitor || away < kBulkPatience) return std::nullopt;",
              "return std::nullopt;", "farm_loops_test", "*BulkLine*"),
     Mutation("farm: results of an orphan end with it", "worker/run_worker.cpp",
              "if (spool_) leave_results();", "", "farm_loops_test", "*Orphan*"),

@@ -68,6 +68,20 @@ TEST(JobClient, WhatTheOtherSideSaysIsPrintable) {
   EXPECT_EQ(end_of_job(end).report.failure, std::string(999, 'a'));
 }
 
+TEST(JobClient, TimeInWhichItDidNotRunIsNoSilenceOfTheCoordinator) {
+  JobSpec spec;
+  spec.crop = {0, 0, 8, 8};
+  JobClient client(spec, 7, {});
+  const Time begin = client.next_deadline();
+  client.on_tick(begin + std::chrono::hours(1));
+  EXPECT_EQ(client.silence(begin + std::chrono::hours(1)), Time{0}) << "it has just asked again";
+  Time now = client.next_deadline();
+  for (; now < begin + std::chrono::hours(1) + std::chrono::seconds(20);
+       now = client.next_deadline())
+    client.on_tick(now);
+  EXPECT_GT(client.silence(now), std::chrono::seconds(19));
+}
+
 TEST(JobClient, OnlyWhatIsDoneHasExitCodeZero) {
   const auto exit_code = [](v1::JobEnd::How how, uint32_t code) {
     v1::JobEnd end;

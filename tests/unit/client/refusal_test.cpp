@@ -90,6 +90,15 @@ TEST(FirstWord, WaitsForACoordinatorThatStartsAnew) {
   EXPECT_THROW(first_word.check(transport, endpoint, begin + 12s), UnreachableError);
 }
 
+TEST(TroublePatience, TimeInWhichNobodyLookedDoesNotCount) {
+  TroublePatience patience(10s, 1h);
+  patience.check(FakeTransport(1), kNobody, true, 1h);
+  Time now = 2h;
+  for (; now < 2h + 10s; now += 500ms)
+    EXPECT_NO_THROW(patience.check(FakeTransport(1), kNobody, true, now));
+  EXPECT_THROW(patience.check(FakeTransport(1), kNobody, true, now + 500ms), UnreachableError);
+}
+
 TEST(FirstWord, OnceHeardIsNotWaitedForAgain) {
   FirstWord first_word(1h);
   first_word.heard();

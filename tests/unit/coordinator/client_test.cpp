@@ -58,6 +58,16 @@ TEST_F(ClientTest, CancelsAJobAtOnceAlsoWhereItWasNotBegun) {
   EXPECT_EQ(cancelled.end().how(), v1::JobEnd::INTERRUPTED);
 }
 
+TEST_F(ClientTest, AreNotGoneBecauseTheCoordinatorWasStopped) {
+  coordinator.on_tick({});
+  say("client", submission(41, job()));
+  for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});
+  EXPECT_EQ(ask(41, false).state(), v1::JobStatus::RUNNING);
+  Time now = seconds(65);
+  coordinator.on_tick(now);
+  EXPECT_NE(ask(41, false).state(), v1::JobStatus::UNKNOWN) << "its questions may wait to be read";
+}
+
 TEST_F(ClientTest, HaveFewScenesReadAtOneGoByTheirBytes) {
   MemoryJobStore scenes;
   v1::SubmitJob request;

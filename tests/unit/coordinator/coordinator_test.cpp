@@ -136,6 +136,25 @@ TEST_F(CoordinatorTest, ALostConnectionIsLostOnceWhateverStillComesByIt) {
   EXPECT_EQ(coordinator.progress({}).workers, 1) << "it is back by another connection";
 }
 
+TEST_F(CoordinatorTest, WhoWasStoppedBlamesNobodyAndListensAsLongAsEver) {
+  coordinator.on_tick({});
+  const uint64_t id = coordinator.submit(job(), {});
+  say("p", hello(1));
+  say("q", hello(2));
+  ready("p", id);
+  ASSERT_FALSE(heard(v1::Envelope::kAssign).empty());
+  // Of what came while the coordinator was stopped, the heartbeat of one was read before the clock.
+  v1::Envelope heartbeat;
+  heartbeat.mutable_heartbeat()->set_session(1);
+  say("q", heartbeat, seconds(600));
+  Time now = seconds(600);
+  coordinator.on_tick(now);
+  EXPECT_EQ(coordinator.snapshot(now).counters.workers_lost, 0u);
+  EXPECT_TRUE(coordinator.take_stuck_processes().empty()) << "nobody could tell of progress";
+  while (now < seconds(606)) coordinator.on_tick(now = coordinator.next_deadline());
+  EXPECT_EQ(coordinator.snapshot(now).counters.workers_lost, 2u);
+}
+
 TEST_F(CoordinatorTest, ATimelineHasWhatWasLostWithAWorker) {
   const uint64_t id = coordinator.submit(job(16), {});
   say("p", hello(1));

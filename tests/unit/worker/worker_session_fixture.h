@@ -60,6 +60,15 @@ class WorkerSessionTest : public ::testing::Test {
     return result;
   }
 
+  /// Lets time pass as for a process that runs, until then or until the session wants to end.
+  void run_until(Time time) {
+    for (Time next; (next = session.next_deadline()) < time;) {
+      session.on_tick(next);
+      if (session.next_deadline() <= next) return;
+    }
+    session.on_tick(time);
+  }
+
   void welcome(uint64_t number, Time now = {}, uint64_t farm = 1) {
     v1::Envelope message;
     v1::Welcome& welcome = *message.mutable_welcome();

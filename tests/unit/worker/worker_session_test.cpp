@@ -92,7 +92,7 @@ TEST_F(WorkerSessionTest, ComesAnewWhenTheCoordinatorIsSilent) {
   make_ready(7);
   assign(7, 11);
   const auto run = wants<StartTrace>().at(0).run;
-  session.on_tick(seconds(5));
+  run_until(seconds(5));
   EXPECT_THAT(wants<Reconnect>(), SizeIs(1));
   EXPECT_EQ(sent(v1::Envelope::kHello).at(0).hello().session(), 2u);
   // What it traces meanwhile is kept until somebody wants it.
@@ -128,7 +128,7 @@ TEST_F(WorkerSessionTest, GoesOnForACoordinatorOnTheSameStore) {
   make_ready(7);
   assign(7, 11);
   const auto run = wants<StartTrace>().at(0).run;
-  session.on_tick(seconds(5));
+  run_until(seconds(5));
   welcome(2, seconds(6), 1);
   EXPECT_FALSE(run->progress.cancelled);
   start(7, seconds(6));
@@ -209,10 +209,55 @@ TEST_F(WorkerSessionTest, TellsWhatBuildingCountedEachTimeItIsReady) {
 }
 
 TEST_F(WorkerSessionTest, GivesUpAsAnOrphan) {
-  session.on_tick(seconds(29));
+  run_until(seconds(29));
   EXPECT_THAT(wants<Quit>(), IsEmpty());
-  session.on_tick(seconds(30));
+  run_until(seconds(30));
   EXPECT_EQ(wants<Quit>().at(0).exit_code, ExitCode::render_failed);
+}
+
+TEST_F(WorkerSessionTest, WhoWasStoppedAsksBeforeItTakesTheCoordinatorForSilent) {
+  make_ready(7);
+  session.on_tick(seconds(1));
+  ping(0, seconds(1));
+  wants<SendMessage>();
+  session.on_tick(seconds(66));
+  EXPECT_THAT(wants<Quit>(), IsEmpty());
+  EXPECT_THAT(wants<Reconnect>(), IsEmpty()) << "what was said meanwhile may wait to be read";
+  EXPECT_THAT(sent(v1::Envelope::kHeartbeat), SizeIs(1));
+  // The coordinator, which was there all the time, has given it up.
+  v1::Envelope request;
+  request.mutable_hello_request();
+  session.on_message(Channel::control, request, seconds(66));
+  EXPECT_THAT(sent(v1::Envelope::kHello), SizeIs(1));
+  welcome(2, seconds(67));
+  run_until(seconds(71));
+  EXPECT_TRUE(session.is_welcome());
+}
+
+TEST_F(WorkerSessionTest, WhoWasStoppedGivesUpOnceItHasListened) {
+  make_ready(7);
+  session.on_tick(seconds(1));
+  ping(0, seconds(1));
+  session.on_tick(seconds(66));
+  run_until(milliseconds(70'999));
+  EXPECT_THAT(wants<Reconnect>(), IsEmpty());
+  run_until(seconds(71));
+  EXPECT_THAT(wants<Reconnect>(), SizeIs(1)) << "the connection may be dead";
+  run_until(milliseconds(95'999));
+  EXPECT_THAT(wants<Quit>(), IsEmpty());
+  run_until(seconds(96));
+  EXPECT_EQ(wants<Quit>().at(0).reason, "the coordinator is silent");
+}
+
+TEST_F(WorkerSessionTest, WhoIsStoppedJustBeforeItGivesUpAsksOnceMore) {
+  run_until(milliseconds(29'900));
+  session.on_tick(seconds(95));
+  EXPECT_THAT(wants<Quit>(), IsEmpty());
+  run_until(milliseconds(96'900));
+  EXPECT_THAT(wants<Quit>(), IsEmpty());
+  EXPECT_THAT(sent(v1::Envelope::kHello), ::testing::Not(IsEmpty()));
+  run_until(seconds(98));
+  EXPECT_THAT(wants<Quit>(), SizeIs(1));
 }
 
 TEST_F(WorkerSessionTest, QuitsWhenRefusedOrSentAway) {
@@ -333,7 +378,7 @@ TEST_F(WorkerSessionTest, DrainingItWaitsForNoCoordinatorThatIsAway) {
   session.on_traced(trace(run), seconds(2));
   EXPECT_FALSE(session.drained());
   EXPECT_THAT(session.take_unsent(), IsEmpty());
-  session.on_tick(seconds(6));
+  run_until(seconds(6));
   EXPECT_TRUE(session.drained());
   const auto unsent = session.take_unsent();
   ASSERT_THAT(unsent, SizeIs(1));
@@ -347,7 +392,7 @@ TEST_F(WorkerSessionTest, WhatHasNoRoomInMemoryIsSpooledWhileTheCoordinatorIsAwa
   make_ready(7);
   for (const uint64_t lease : {1u, 2u}) assign(7, lease);
   const auto runs = wants<StartTrace>();
-  session.on_tick(seconds(5));
+  run_until(seconds(5));
   for (const auto& start : runs) session.on_traced(trace(start.run), seconds(6));
   const auto spooled = wants<SpoolResult>();
   ASSERT_THAT(spooled, SizeIs(1));
@@ -384,7 +429,7 @@ TEST_F(WorkerSessionTest, WhoIsRefusedOrAnOrphanForTooLong) {
   make_ready(7);
   assign(7, 1);
   session.on_traced(trace(wants<StartTrace>().at(0).run), {});
-  session.on_tick(seconds(30));
+  run_until(seconds(30));
   EXPECT_FALSE(wants<Quit>().at(0).refused);
   EXPECT_THAT(session.take_unsent(), SizeIs(1));
   v1::Envelope message;
