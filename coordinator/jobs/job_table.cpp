@@ -158,7 +158,11 @@ std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
   }
   const Job* const job = find(id);
   const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
-  const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
+  BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
+  if (job && !end && job->stored(frame) > 0 && has_frame(job->kept(), frame)) {
+    const auto part = films_.part(recipe_of(job->kept(), frame));
+    if (part) pixels = copy_to_blob(std::as_bytes(part->first.values()));
+  }
   const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
   const int channels = job ? aovs_of(job->request(), frame).channels() : kFilmChannels;
   const size_t count = static_cast<size_t>(rect.area()) * static_cast<size_t>(channels);
