@@ -241,7 +241,9 @@ FarmSnapshot Coordinator::snapshot(Time now) const {
 }
 
 std::string Coordinator::broken_rule(Time now) const {
-  if (next_tick_ <= now) return "";
+  // What time alone brings is seen with the next tick.
+  const bool has_ticked = next_tick_ == now + kTick || next_tick_ == now + options_.heartbeat;
+  if (!has_ticked) return "";
   const std::string broken = jobs_->broken_rule(now);
   return broken.empty() ? workers_->broken_rule(now) : broken;
 }

@@ -9,6 +9,9 @@ namespace tessera {
 namespace {
 
 constexpr size_t kMostMarks = 256;
+/// The rate is that of so small a share of all tiles, so that a tenth at a steady rate, with a step
+/// between marks, covers it.
+constexpr uint64_t kWindows = 16;
 
 }  // namespace
 
@@ -20,8 +23,9 @@ void WorkMeter::account(Time now, bool works, uint64_t traced) {
     size_t index = 0;
     std::erase_if(marks_, [&index](const Mark&) { return index++ % 2 == 1; });
   }
+  if (now <= counted_until_) return;
   const Time since = now - std::exchange(counted_until_, now);
-  if (works && since > Time{0}) worked_ += since;
+  if (works) worked_ += since;
 }
 
 double WorkMeter::seconds(Time now, bool works) const {
@@ -36,7 +40,7 @@ WorkMeter::Mark WorkMeter::latest(uint64_t traced) const {
 double WorkMeter::remaining_seconds(uint64_t traced, uint64_t left, uint64_t total,
                                     uint64_t in_flight) const {
   const Mark end = latest(traced);
-  const uint64_t window = std::max({uint64_t{1}, total / 10, 2 * in_flight});
+  const uint64_t window = std::max({uint64_t{1}, total / kWindows, 2 * in_flight});
   auto start = marks_.end();
   do {
     --start;

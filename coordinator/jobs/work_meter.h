@@ -20,7 +20,7 @@ class WorkMeter {
   void account(Time now, bool works, uint64_t traced);
   /// The seconds for which it was worked on, those of earlier processes included.
   double seconds(Time now, bool works) const;
-  /// The seconds that `left` tiles will take at the rate of the last tenth of the job's `total`
+  /// The seconds that `left` tiles will take at the rate of the last sixteenth of the job's `total`
   /// tiles. `in_flight`: those that are being traced, which come back in bursts: the rate is taken
   /// over at least two of these. Below 0: not known yet.
   double remaining_seconds(uint64_t traced, uint64_t left, uint64_t total,
