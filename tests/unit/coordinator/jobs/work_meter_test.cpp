@@ -105,7 +105,7 @@ TEST(WorkMeter, IsNeverMoreThanTwiceOffOnceATenthIsDoneAtASteadyRate) {
   for (uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE(seed);
     History(seed).run();
-    if (testing::Test::HasFatalFailure()) return;
+    if (::testing::Test::HasFatalFailure()) return;
   }
 }
 
