@@ -48,18 +48,18 @@ void print_table(const v1::JobList& list) {
   static constexpr char kRow[] = "{:>5}  {:<9}  {:>8}  {:>9}  {:>15}  {:>5}  {:>9}  {}\n";
   say(kRow, "job", "state", "priority", "frames", "tiles", "done", "remaining", "name");
   for (const v1::JobStatus& job : list.jobs()) {
-    const bool waits = waits_for_workers(job, list.workers());
-    const bool runs =
-        job.state() == v1::JobStatus::RUNNING && !waits && job.remaining_seconds() >= 0;
+    const bool waits = job.state() == v1::JobStatus::RUNNING && !job.waits_for().empty();
+    const std::string why =
+        job.waits_for().empty() ? "" : fmt::format("  (waits for {})", printable(job.waits_for()));
+    const bool is_known = job.remaining_seconds() >= 0;
     say(kRow, job.job(), waits ? "waiting" : state_name(job), job.priority(),
         fmt::format("{}/{}", job.frames_done(), job.frames_total()),
         fmt::format("{}/{}", job.tiles_done(), job.tiles_total()),
-        fmt::format("{} %", percent(job)), runs ? duration_text(job.remaining_seconds()) : "",
-        printable(job.name()));
+        fmt::format("{} %", percent(job)), is_known ? duration_text(job.remaining_seconds()) : "",
+        printable(job.name()) + why);
   }
-  const bool any_waits = std::any_of(list.jobs().begin(), list.jobs().end(), [&](const auto& job) {
-    return waits_for_workers(job, list.workers());
-  });
+  const bool any_waits = std::any_of(list.jobs().begin(), list.jobs().end(),
+                                     [&](const auto& job) { return job.waits_for() == "workers"; });
   say("{}{}\n", counted(list.workers(), "worker"), any_waits ? ": jobs wait for some" : "");
 }
 
@@ -69,16 +69,18 @@ void print_job(const v1::JobStatus& job) {
   };
   line("job", std::to_string(job.job()));
   line("name", printable(job.name()));
-  const bool waits = waits_for_workers(job, job.workers());
-  line("state", waits ? "waits for workers" : state_name(job));
+  line("state", state_name(job));
+  if (!job.waits_for().empty()) line("waits for", printable(job.waits_for()));
   line("priority", fmt::format("{}, weight {}", job.priority(), job.weight()));
   line("frames", fmt::format("{} of {}", job.frames_done(), job.frames_total()));
   line("tiles", fmt::format("{} of {}, {} %", job.tiles_done(), job.tiles_total(), percent(job)));
-  if (job.state() == v1::JobStatus::RUNNING && !waits && job.remaining_seconds() >= 0) {
+  if (job.remaining_seconds() >= 0) {
     line("remaining", duration_text(job.remaining_seconds()));
   }
-  if (!job.failure().empty()) {
-    line(job.state() == v1::JobStatus::ENDED ? "failure" : "waits", printable(job.failure()));
+  // What holds all of it is told already.
+  const bool is_told = job.waits_for().find(job.failure()) != std::string::npos;
+  if (!is_told) {
+    line(job.state() == v1::JobStatus::ENDED ? "failure" : "held", printable(job.failure()));
   }
   if (job.state() != v1::JobStatus::ENDED) line("workers", std::to_string(job.workers()));
 }
@@ -206,7 +208,7 @@ void add_order(CLI::App& app, Action& action, const char* name, const std::strin
 void add_job_commands(CLI::App& app, Action& action) {
   add_status_command(app, action);
   add_order(app, action, "pause", "Give out no more tiles of a job",
-            "Tiles that workers hold are finished and kept.\n"
+            "Tiles that workers hold are finished and kept, unless another job needs the memory.\n"
             "Example:\n"
             "  tessera pause 7",
             v1::JobQuery::PAUSE);

@@ -16,17 +16,8 @@ std::string waiting_for(const v1::JobStatus& status) {
       return JobClient::kForCoordinator;
     case v1::JobStatus::FETCHING:
       return "the scene to be sent";
-    case v1::JobStatus::PAUSED:
-      return "somebody to resume it";
-    case v1::JobStatus::QUEUED:
-      return status.workers() == 0 ? "workers" : "the jobs before this one";
-    case v1::JobStatus::RUNNING:
-      if (status.workers() == 0) return "workers";
-      return status.failure().empty() ? "" : "the coordinator: " + printable(status.failure());
-    case v1::JobStatus::HELD:
-      return "what is lacking: " + printable(status.failure());
     default:
-      return "";
+      return printable(status.waits_for());
   }
 }
 
@@ -163,7 +154,7 @@ JobProgress progress_of(const v1::JobStatus& status) {
   progress.tiles_total = status.tiles_total();
   progress.workers = static_cast<int>(status.workers());
   progress.elapsed_seconds = status.elapsed_seconds();
-  progress.remaining_seconds = status.tiles_done() > 0 ? status.remaining_seconds() : -1;
+  progress.remaining_seconds = status.remaining_seconds();
   progress.waiting_for = waiting_for(status);
   return progress;
 }

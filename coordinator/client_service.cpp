@@ -41,6 +41,12 @@ v1::JobStatus failed_status(uint64_t submission, ExitCode code, const std::strin
   return status;
 }
 
+/// The query in the name of the key by which it came, if there are keys.
+v1::JobQuery with_name(v1::JobQuery query, const AllowedKey& sender) {
+  if (!sender.key.empty()) query.set_by(sender.name);
+  return query;
+}
+
 }  // namespace
 
 bool ClientService::on_control(const PeerId& peer, const v1::Envelope& message, Time now,
@@ -50,7 +56,7 @@ bool ClientService::on_control(const PeerId& peer, const v1::Envelope& message, 
       on_submit(peer, message.submit_job(), now);
       return true;
     case v1::Envelope::kJobQuery:
-      on_query(peer, message.job_query(), may_submit(sender), now);
+      on_query(peer, with_name(message.job_query(), sender), may_submit(sender), now);
       return true;
     case v1::Envelope::kJobListQuery:
       on_list_query(peer, message.job_list_query(), now);
@@ -154,7 +160,7 @@ void ClientService::tell_failure(uint64_t id, const std::string& why, Time now) 
 void ClientService::accept(Submission& submission, Time now) {
   const v1::SubmitJob& request = submission.request();
   const uint64_t id = request.submission();
-  jobs_.accept(request, submission.blobs(), now);
+  jobs_.accept(request, submission.blobs());
   const Job& job = *jobs_.find_submission(id);
   const std::string name = request.name().empty() ? "" : " (" + printable(request.name()) + ")";
   spdlog::info("job {}{} has come: {} of {}x{} pixels, {} each, {} bytes of scene", job.id(), name,
@@ -252,7 +258,7 @@ void ClientService::act(Job& job, const v1::JobQuery& query) {
     case v1::JobQuery::CANCEL:
       return jobs_.cancel(job);
     case v1::JobQuery::PAUSE:
-      return jobs_.pause(job, true);
+      return jobs_.pause(job, true, query.by());
     case v1::JobQuery::RESUME:
       return jobs_.pause(job, false);
     case v1::JobQuery::RETRY:
@@ -272,20 +278,16 @@ void ClientService::on_list_query(const PeerId& peer, const v1::JobListQuery& qu
   v1::JobList& list = *out.message.mutable_job_list();
   list.set_last(jobs_.last_job());
   size_t bytes = 0;
-  for (auto it = jobs_.all().upper_bound(query.after()); it != jobs_.all().end(); ++it) {
-    if (it->second->local()) continue;
-    v1::JobStatus status = jobs_.status(*it->second, 0, now);
+  jobs_.each_status(query.after(), now, [&](v1::JobStatus status) {
     // The number is its client's alone. The frame and its end are told to who asks for that job.
     status.clear_submission();
     status.clear_frame();
     status.clear_end();
     bytes += status.ByteSizeLong();
-    if (bytes > kListBytes) {
-      list.set_more(true);
-      break;
-    }
-    *list.add_jobs() = std::move(status);
-  }
+    list.set_more(bytes > kListBytes);
+    if (!list.more()) *list.add_jobs() = std::move(status);
+    return !list.more();
+  });
 }
 
 void ClientService::on_release(const v1::JobRelease& release) {

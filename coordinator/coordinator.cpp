@@ -40,7 +40,8 @@ void Coordinator::set_worker_keys(size_t listed) {
 }
 
 uint64_t Coordinator::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
-  const uint64_t id = jobs_->submit(std::move(spec), now, std::move(tiles));
+  jobs_->account(now);
+  const uint64_t id = jobs_->submit(std::move(spec), std::move(tiles));
   try {
     settle(now);
   } catch (...) {
@@ -52,6 +53,7 @@ uint64_t Coordinator::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> 
 }
 
 void Coordinator::interrupt(uint64_t job, Time now) {
+  jobs_->account(now);
   jobs_->interrupt(job, now);
   settle(now);
 }
@@ -68,18 +70,16 @@ std::optional<JobResult> Coordinator::take_result(uint64_t job) { return jobs_->
 JobProgress Coordinator::progress(Time now) const {
   JobProgress progress;
   const auto& running = jobs_->running();
-  if (!running.empty()) progress = running.front()->progress(now);
+  if (!running.empty()) return this->progress(running.front()->id(), now).value_or(progress);
   progress.workers = workers().present_count();
-  if (!running.empty() && progress.workers == 0) progress.waiting_for = "workers";
   return progress;
 }
 
 std::optional<JobProgress> Coordinator::progress(uint64_t job, Time now) const {
-  const ActiveFrame* const active = std::as_const(*jobs_).running(job);
-  if (!active) return std::nullopt;
-  JobProgress progress = active->progress(now);
-  progress.workers = workers().present_count();
-  if (progress.workers == 0) progress.waiting_for = "workers";
+  std::optional<JobProgress> progress = jobs_->progress(job, now);
+  if (!progress) return std::nullopt;
+  progress->workers = workers().present_count();
+  if (progress->workers == 0) progress->waiting_for = "workers";
   return progress;
 }
 
@@ -101,9 +101,13 @@ void Coordinator::note_assembling(uint64_t job, Time spent) {
   }
 }
 
+void Coordinator::note_workers() const {
+  jobs_->set_workers(workers().present_count(), workers().present_threads());
+}
+
 void Coordinator::settle(Time now) {
   const JobTable::Changes changes = jobs_->advance(now);
-  if (!changes.begun.empty()) next_tick_ = now;
+  if (!changes.settled) next_tick_ = now;
   workers_->follow(changes, now);
   collect_outgoing();
 }
@@ -136,8 +140,9 @@ std::vector<OutgoingMessage> Coordinator::take_outgoing() {
 void Coordinator::on_message(Channel channel, const PeerId& peer, const v1::Envelope& message,
                              Time now, const AllowedKey& sender) {
   jobs_->account(now);
-  const bool of_submission = message.has_submit_job() || message.has_blob_chunk();
-  if (of_submission) jobs_->set_threads(workers().present_threads());
+  const bool of_client = message.has_submit_job() || message.has_blob_chunk() ||
+                         message.has_job_query() || message.has_job_list_query();
+  if (of_client) note_workers();
   if (channel == Channel::bulk) {
     if (message.has_blob_request()) return on_blob_request(peer, message.blob_request());
     if (message.has_done_tiles_query()) {
@@ -212,8 +217,8 @@ void Coordinator::on_tick(Time now) {
   tell_trouble();
   workers_->on_tick(now);
   clients_->on_tick(now);
-  settle(now);
   next_tick_ = now + (jobs_->running().empty() ? options_.heartbeat : kTick);
+  settle(now);
 }
 
 void Coordinator::tell_trouble() {
@@ -230,12 +235,21 @@ void Coordinator::tell_trouble() {
 FarmSnapshot Coordinator::snapshot(Time now) const {
   FarmSnapshot snapshot;
   workers_->describe(snapshot, now);
+  note_workers();
   jobs_->describe(snapshot, now);
   snapshot.counters.bytes_scene = bytes_scene_;
   snapshot.farm = options_.farm;
   snapshot.opening = id_text(options_.opening);
   snapshot.uptime_seconds = first_tick_ ? to_seconds(now - *first_tick_) : 0;
   return snapshot;
+}
+
+std::string Coordinator::broken_rule(Time now) const {
+  // What time alone brings is seen with the next tick.
+  const bool has_ticked = next_tick_ == now + kTick || next_tick_ == now + options_.heartbeat;
+  if (!has_ticked) return "";
+  const std::string broken = jobs_->broken_rule(now);
+  return broken.empty() ? workers_->broken_rule(now) : broken;
 }
 
 std::vector<TileSnapshot> Coordinator::tiles(uint64_t job, uint32_t frame, Time now) const {
@@ -264,6 +278,8 @@ std::shared_ptr<const FrameTrace> Coordinator::trace(uint64_t job, uint32_t fram
 }
 
 v1::JobStatus Coordinator::ask(const v1::JobQuery& query, Time now) {
+  jobs_->account(now);
+  note_workers();
   v1::JobStatus status = clients_->ask(query, now);
   settle(now);
   return status;

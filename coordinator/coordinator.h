@@ -90,6 +90,9 @@ class Coordinator {
 
   // For a page or a monitor; all on this thread.
   FarmSnapshot snapshot(Time now) const;
+  /// For tests: which rule of scheduling does not hold after on_tick() at that time, or nothing;
+  /// nothing too while there is more to be done at once.
+  std::string broken_rule(Time now) const;
   /// Of a frame that is being traced, counted from 0; of any other none.
   std::vector<TileSnapshot> tiles(uint64_t job, uint32_t frame, Time now) const;
   /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
@@ -114,6 +117,8 @@ class Coordinator {
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
   void on_done_tiles_query(const PeerId& peer, const v1::DoneTilesQuery& query);
   /// Begins and ends what is to, and tells whom it concerns.
+  /// Tells the jobs how many workers there are.
+  void note_workers() const;
   void settle(Time now);
   void collect_outgoing();
   void tell_trouble();

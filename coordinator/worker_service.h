@@ -51,6 +51,8 @@ class WorkerService {
   std::vector<Outgoing>& outgoing() { return outgoing_; }
   std::vector<pid_t> take_stuck_processes();
   const WorkerRegistry& workers() const { return workers_; }
+  /// For tests: which rule of scheduling does not hold; empty: all do.
+  std::string broken_rule(Time now) const;
   /// What it knows of: workers, and counters of tiles and of them.
   void describe(FarmSnapshot& snapshot, Time now) const;
   /// Of how many frames a worker has completed the first tile.
@@ -102,6 +104,11 @@ class WorkerService {
   /// Takes it back from its worker, unless that has begun.
   void recall(const ActiveFrame& job, const Lease& lease);
   size_t held_by(const WorkerRecord& worker) const;
+  /// Whether it may be given more tiles.
+  bool has_room(const WorkerRecord& worker) const;
+  std::vector<KnownScene> known_scenes(const WorkerRecord& worker) const;
+  /// Of which it holds no tile.
+  void forget_scene(WorkerRecord& worker, uint64_t frame);
 
   void tell_if_back(WorkerRecord& worker);
   void lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now);

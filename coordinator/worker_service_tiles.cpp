@@ -1,4 +1,6 @@
 // Who gets which tile: the other half of WorkerService.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -8,12 +10,6 @@
 #include "coordinator/worker_service.h"
 
 namespace tessera {
-namespace {
-
-/// Scenes that a worker is told of at one time.
-constexpr size_t kJobsOfWorker = 16;
-
-}  // namespace
 
 size_t WorkerService::held_by(const WorkerRecord& worker) const {
   size_t held = 0;
@@ -40,10 +36,29 @@ void WorkerService::fill_idle(Time now) {
   idle_.merge(hungry);
 }
 
+bool WorkerService::has_room(const WorkerRecord& worker) const {
+  return worker.foreign == 0 && !worker.leaves && worker.state == WorkerState::active &&
+         held_by(worker) < worker.hello.credit();
+}
+
+std::string WorkerService::broken_rule(Time now) const {
+  if (draining_ || !jobs_.store_trouble().empty()) return "";
+  for (const auto& [id, worker] : workers_.all()) {
+    if (!has_room(worker) || held_by(worker) > 0) continue;
+    for (const ActiveFrame* job : jobs_.by_need()) {
+      const bool can = !job->ended() && !job->scene_failed_at(id) && worker.ready_for(job->id());
+      if (can && job->scheduler().has_tile_for(id, now)) {
+        return fmt::format("worker {} idles beside tiles of frame {} that it could trace", id,
+                           job->id());
+      }
+    }
+  }
+  return "";
+}
+
 void WorkerService::fill(WorkerRecord& worker, Time now) {
-  if (worker.foreign > 0 || worker.leaves || worker.state != WorkerState::active) return;
   if (draining_ || !jobs_.store_trouble().empty()) return;
-  while (held_by(worker) < worker.hello.credit()) {
+  while (has_room(worker)) {
     if (give_tile(worker, now)) continue;
     idle_.insert(worker.id);
     return;
@@ -92,7 +107,7 @@ void WorkerService::give(WorkerRecord& worker, ActiveFrame& job, const Lease& le
 }
 
 bool WorkerService::give_tile(WorkerRecord& worker, Time now) {
-  const std::vector<ActiveFrame*>& jobs = jobs_.by_need(now);
+  const std::vector<ActiveFrame*>& jobs = jobs_.by_need();
   // Beside a tile that failed before, nothing else runs.
   for (ActiveFrame* job : jobs_.running()) {
     if (job->scheduler().isolates(worker.id)) return false;
@@ -119,11 +134,36 @@ bool WorkerService::give_tile(WorkerRecord& worker, Time now) {
       give(worker, *job, *lease, now);
       return true;
     }
-    if (builds || worker.jobs.contains(job->id()) || worker.jobs.size() >= kJobsOfWorker) continue;
+    if (builds || worker.jobs.contains(job->id())) continue;
+    if (worker.jobs.size() >= options_.scenes_of_worker) {
+      const Forget forget = scene_to_forget(known_scenes(worker), job->priority());
+      const bool has_pending = job->scheduler().has_pending();
+      if (forget.waits && has_pending) least = job->priority();
+      if (!forget.frame || !has_pending) continue;
+      forget_scene(worker, *forget.frame);
+    }
     tell(worker, *job, now);
     builds = true;
   }
   return !full && give_at_end(worker, jobs, now);
+}
+
+std::vector<KnownScene> WorkerService::known_scenes(const WorkerRecord& worker) const {
+  std::vector<KnownScene> scenes;
+  for (const auto& [id, known] : worker.jobs) {
+    const ActiveFrame* const job = std::as_const(jobs_).running(id);
+    if (job) scenes.push_back({id, job->priority(), job->scheduler().held_by(worker.id)});
+  }
+  return scenes;
+}
+
+void WorkerService::forget_scene(WorkerRecord& worker, uint64_t frame) {
+  worker.jobs.erase(frame);
+  send(worker.peer).mutable_cancel_job()->set_job(frame);
+  // It holds no tile of it, so that nothing follows from it.
+  if (ActiveFrame* job = jobs_.running(frame)) {
+    job->scheduler().leave(worker.id, LossCause::left, Time{});
+  }
 }
 
 void WorkerService::follow(const JobTable::Changes& changes, Time now) {

@@ -57,7 +57,7 @@ std::string FarmAccess::status(uint64_t job, const std::atomic<bool>& stop) {
   const auto held = lock(stop);
   FarmClient asking = client(stop);
   const v1::JobStatus status = ask_job(asking, question_about(job));
-  return status_json(status, status.workers()).dump();
+  return status_json(status).dump();
 }
 
 void FarmAccess::order(uint64_t job, v1::JobQuery::Action action, std::optional<int> priority,

@@ -1,8 +1,12 @@
 #include "front/job_orders.h"
 
 #include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 
 #include "base/process.h"
@@ -75,6 +79,17 @@ RenderedPicture picture_of(const v1::JobFrame& frame, Film film, JobReport repor
           .report = std::move(report)};
 }
 
+/// "user@host", as much of it as is known.
+std::string user_name() {
+  std::array<char, 4096> strings{};
+  passwd entry{};
+  passwd* found = nullptr;
+  ::getpwuid_r(::geteuid(), &entry, strings.data(), strings.size(), &found);
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  return fmt::format("{}@{}", found ? found->pw_name : std::to_string(::geteuid()), host.data());
+}
+
 }  // namespace
 
 v1::JobStatus submit_job(FarmClient& client, const SubmittedJob& job) {
@@ -93,7 +108,7 @@ nlohmann::ordered_json list_json(const v1::JobList& list) {
   nlohmann::ordered_json result{{"jobs", nlohmann::ordered_json::array()},
                                 {"workers", list.workers()}};
   for (const v1::JobStatus& job : list.jobs()) {
-    result["jobs"].push_back(status_json(job, list.workers()));
+    result["jobs"].push_back(status_json(job));
   }
   return result;
 }
@@ -115,7 +130,9 @@ v1::JobStatus give_order(FarmClient& client, const v1::JobQuery& order, bool end
     const v1::JobStatus before = ask_job(client, question);
     if (!may_be_retried(before)) refuse(before, "failed or is held");
   }
-  v1::JobStatus status = ask_job(client, order);
+  v1::JobQuery in_our_name = order;
+  in_our_name.set_by(user_name());
+  v1::JobStatus status = ask_job(client, in_our_name);
   if (status.state() == v1::JobStatus::ENDED && !retries) {
     const bool cancelled = status.how() == v1::JobEnd::INTERRUPTED;
     const bool is_fine = order.action() == v1::JobQuery::CANCEL && (cancelled || ended_too);

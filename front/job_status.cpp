@@ -25,23 +25,19 @@ std::string state_name(const v1::JobStatus& status) {
   }
 }
 
-bool waits_for_workers(const v1::JobStatus& status, uint32_t workers) {
-  return status.state() == v1::JobStatus::RUNNING && workers == 0;
-}
-
 int percent(const v1::JobStatus& status) {
   if (status.tiles_total() == 0) return 0;
   return static_cast<int>(100 * status.tiles_done() / status.tiles_total());
 }
 
-nlohmann::ordered_json status_json(const v1::JobStatus& status, uint32_t workers) {
+nlohmann::ordered_json status_json(const v1::JobStatus& status) {
   using json = nlohmann::ordered_json;
   json result;
   result["job"] = status.job();
   result["name"] = printable(status.name());
   result["state"] = state_name(status);
-  const bool waits = waits_for_workers(status, workers);
-  result["waits_for"] = waits ? json("workers") : json(nullptr);
+  const std::string waits_for = printable(status.waits_for());
+  result["waits_for"] = waits_for.empty() ? json(nullptr) : json(waits_for);
   result["priority"] = status.priority();
   result["weight"] = status.weight();
   result["frames"] = {{"done", status.frames_done()}, {"total", status.frames_total()}};
@@ -49,8 +45,7 @@ nlohmann::ordered_json status_json(const v1::JobStatus& status, uint32_t workers
                      {"total", status.tiles_total()},
                      {"restored", status.tiles_restored()}};
   result["elapsed_seconds"] = status.elapsed_seconds();
-  const bool known =
-      status.state() == v1::JobStatus::RUNNING && !waits && status.remaining_seconds() >= 0;
+  const bool known = status.remaining_seconds() >= 0;
   result["remaining_seconds"] = known ? json(status.remaining_seconds()) : json(nullptr);
   result["exit_code"] =
       status.state() == v1::JobStatus::ENDED ? json(status.exit_code()) : json(nullptr);

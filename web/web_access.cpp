@@ -54,9 +54,9 @@ WebAccess WebAccess::read(const std::filesystem::path& path) {
   for (std::string line; std::getline(file, line);) {
     ++number;
     std::istringstream words(line);
-    std::string token, role;
+    std::string token, role, name;
     if (!(words >> token) || token.front() == '#') continue;
-    words >> role;
+    words >> role >> name;
     const auto wrong = [&](const std::string& what) {
       return usage_error(fmt::format("{}:{}: {}", path.string(), number, what));
     };
@@ -68,7 +68,7 @@ WebAccess WebAccess::read(const std::filesystem::path& path) {
       throw wrong(fmt::format("role '{}'; expected viewer or submitter", printable(role)));
     }
     access.tokens_.push_back(
-        {Digest::of(token), role == "viewer" ? Role::viewer : Role::submitter});
+        {Digest::of(token), role == "viewer" ? Role::viewer : Role::submitter, name});
   }
   if (access.tokens_.empty()) {
     throw usage_error(fmt::format("--http-token: '{}' has no token; expected lines TOKEN ROLE NAME",
@@ -79,22 +79,32 @@ WebAccess WebAccess::read(const std::filesystem::path& path) {
 
 WebAccess WebAccess::of_token(std::string_view token, Role role) {
   WebAccess access;
-  access.tokens_.push_back({Digest::of(token), role});
+  access.tokens_.push_back({Digest::of(token), role, ""});
   return access;
 }
 
-std::optional<WebAccess::Role> WebAccess::role_by_header(const HttpRequest& request) const {
+const WebAccess::Token* WebAccess::token_of(const HttpRequest& request) const {
   const std::string header = request.header("authorization");
   // The name of the scheme is taken in any case (RFC 9110, 11.1), the token as it is.
-  if (lower_case(header.substr(0, kBearer.size())) != kBearer) return std::nullopt;
-  return role_of(std::string_view(header).substr(kBearer.size()));
+  if (lower_case(header.substr(0, kBearer.size())) != kBearer) return nullptr;
+  return find(std::string_view(header).substr(kBearer.size()));
 }
 
-std::optional<WebAccess::Role> WebAccess::role_of(std::string_view token) const {
+const WebAccess::Token* WebAccess::find(std::string_view token) const {
   const Digest digest = Digest::of(token);
   const auto it = std::find_if(tokens_.begin(), tokens_.end(),
                                [&](const Token& known) { return known.digest == digest; });
-  return it == tokens_.end() ? std::nullopt : std::optional(it->role);
+  return it == tokens_.end() ? nullptr : &*it;
+}
+
+std::optional<WebAccess::Role> WebAccess::role_of(std::string_view token) const {
+  const Token* const known = find(token);
+  return known ? std::optional(known->role) : std::nullopt;
+}
+
+std::string WebAccess::name_of(const HttpRequest& request) const {
+  const Token* const known = token_of(request);
+  return known ? printable(known->name) : "";
 }
 
 std::optional<HttpResponse> WebAccess::refuse_host(const HttpRequest& request) const {
@@ -123,13 +133,13 @@ std::optional<HttpResponse> WebAccess::refuse_upgrade(const HttpRequest& request
 std::optional<HttpResponse> WebAccess::refuse(const HttpRequest& request, Role needed) const {
   if (auto refused = refuse_host(request)) return refused;
   if (!tokens_.empty()) {
-    const auto role = role_by_header(request);
-    if (!role) {
+    const Token* const token = token_of(request);
+    if (!token) {
       HttpResponse response = http_error(401, "expected a token: Authorization: Bearer TOKEN");
       response.headers.emplace_back("WWW-Authenticate", "Bearer");
       return response;
     }
-    if (needed == Role::submitter && *role == Role::viewer) {
+    if (needed == Role::submitter && token->role == Role::viewer) {
       return http_error(403, "the token is a viewer's; expected a submitter's");
     }
   }

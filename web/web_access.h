@@ -39,6 +39,8 @@ class WebAccess {
   /// Refuses a WebSocket by its host, and where it does not come from our own page. Its token comes
   /// in a message.
   std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) const;
+  /// Whose token the request has, as the file of tokens says; empty: nobody knows.
+  std::string name_of(const HttpRequest& request) const;
   /// The role of a token, or nothing.
   std::optional<Role> role_of(std::string_view token) const;
 
@@ -46,8 +48,10 @@ class WebAccess {
   struct Token {
     Digest digest;  ///< compared in its stead, so that no time tells how much of it was right
     Role role = Role::viewer;
+    std::string name{};
   };
-  std::optional<Role> role_by_header(const HttpRequest& request) const;
+  const Token* find(std::string_view token) const;
+  const Token* token_of(const HttpRequest& request) const;
   /// Whether the request comes from a page that its host has served. Pages are served by http; only
   /// where other machines may come can someone on the way speak TLS for us.
   bool is_of_own_page(const HttpRequest& request) const;

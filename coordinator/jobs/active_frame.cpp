@@ -359,19 +359,9 @@ std::vector<TileSnapshot> ActiveFrame::tiles(Time now) const {
   return result;
 }
 
-JobProgress ActiveFrame::progress(Time now) const {
-  JobProgress progress;
-  progress.tiles_done = assembler_.tiles_done();
-  progress.tiles_total = assembler_.tiles().size();
-  progress.elapsed_seconds = to_seconds(now - begun_);
-  progress.remaining_seconds = -1;
-  const uint64_t untraced = report_.tiles_restored + report_.filled;
-  if (first_assignment_ && progress.tiles_done > untraced) {
-    progress.remaining_seconds =
-        remaining_seconds(to_seconds(now - *first_assignment_), progress.tiles_done - untraced,
-                          progress.tiles_total - progress.tiles_done);
-  }
-  return progress;
+uint64_t ActiveFrame::traced() const {
+  const uint64_t done = assembler_.tiles_done(), others = report_.tiles_restored + report_.filled;
+  return done - std::min(done, others);
 }
 
 void ActiveFrame::fail(ExitCode code, std::string why) {

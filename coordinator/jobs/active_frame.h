@@ -160,7 +160,7 @@ class ActiveFrame {
     lost_builders_.erase(worker);
   }
   void note_lost_worker() { ++report_.workers_lost; }
-  /// Notes for the times in the report and the estimate of what remains.
+  /// Notes for the times in the report.
   void note_assignment(Time now);
   void note_result(Time now) { last_result_ = now; }
   void note_tile_seconds(uint32_t tile, double seconds);
@@ -169,7 +169,8 @@ class ActiveFrame {
                  Time begin, Time now);
   const FrameTrace& trace() const { return trace_; }
   std::vector<TileSnapshot> tiles(Time now) const;
-  JobProgress progress(Time now) const;
+  /// Tiles that are done and were traced since it was begun.
+  uint64_t traced() const;
   /// Ends it: later calls change nothing.
   void fail(ExitCode code, std::string why);
   void interrupt();

@@ -26,8 +26,9 @@ struct FarmSnapshot {
     int width = 0, height = 0;                          ///< of what is rendered: the crop's
     double elapsed_seconds = 0, remaining_seconds = 0;  ///< remaining < 0: not known
     double worker_seconds = 0;                          ///< that it has had
-    int exit_code = 0;    ///< of ExitCode; of no meaning before its end
-    std::string failure;  ///< why it failed
+    int exit_code = 0;      ///< of ExitCode; of no meaning before its end
+    std::string failure;    ///< why it failed, or what its held frames lack
+    std::string waits_for;  ///< as of JobStatus
     /// The frames being traced, counted from 0, for tiles and preview.
     std::vector<uint32_t> frames_running;
   };

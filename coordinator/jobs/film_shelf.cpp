@@ -67,4 +67,17 @@ BlobData FilmShelf::find(const Digest& digest, State* state) {
   return nullptr;
 }
 
+std::optional<std::pair<Film, uint64_t>> FilmShelf::part(const Recipe& recipe) const {
+  try {
+    Assembler assembler(recipe.crop, cut_tiles(recipe.crop, recipe.tile_size), recipe.aovs);
+    assembler.restore(store_->find(recipe.tile_key));
+    if (assembler.tiles_done() == 0) return std::nullopt;
+    return std::pair(std::move(assembler.film()), assembler.tiles_done());
+  } catch (const Error&) {
+    return std::nullopt;
+  } catch (const std::bad_alloc&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -41,6 +42,9 @@ class FilmShelf {
   /// Null where there is no such film, no memory for it, or its tiles are no longer what they were,
   /// which `state`, where it is given, then tells.
   BlobData find(const Digest& film, State* state = nullptr);
+  /// What there is in the store of the film, and of how many tiles; nothing where there is no tile,
+  /// or no memory for it.
+  std::optional<std::pair<Film, uint64_t>> part(const Recipe& recipe) const;
 
  private:
   BlobData keep_at_hand(const Digest& digest, const Film& film);

@@ -1,8 +1,12 @@
 #include "coordinator/jobs/job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "base/plural.h"
 #include "job/job_messages.h"
 #include "job/tile_grid.h"
 
@@ -12,14 +16,26 @@ namespace {
 /// A guess of what a tile takes, until some are done.
 constexpr double kTileSeconds = 0.1;
 
+/// Frames of a job that are held until people have looked at them, before all of it is.
+constexpr ptrdiff_t kMostForPeople = 3;
+
 uint64_t total(const v1::JobEnd& end, const char* name) {
   const auto it = end.totals().values().find(name);
   return it == end.totals().values().end() ? 0 : it->second;
 }
 
+/// What a store says of how long a job was worked on.
+double worked_seconds_of(const v1::KeptJob& kept) {
+  double seconds = kept.worked_seconds();
+  for (const v1::KeptJob::End& end : kept.ends()) {
+    seconds = std::max(seconds, end.end().worked_seconds());
+  }
+  return std::isfinite(seconds) && seconds > 0 ? seconds : 0;
+}
+
 }  // namespace
 
-Job::Job(v1::KeptJob kept, std::optional<Time> now) : kept_(std::move(kept)), accepted_(now) {
+Job::Job(v1::KeptJob kept) : kept_(std::move(kept)), meter_(worked_seconds_of(kept_)) {
   const v1::SubmitJob& request = kept_.request();
   ends_.resize(static_cast<size_t>(request.frames_size()));
   tiles_per_frame_ =
@@ -30,8 +46,8 @@ Job::Job(v1::KeptJob kept, std::optional<Time> now) : kept_(std::move(kept)), ac
   kept_.clear_ends();
 }
 
-Job::Job(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles, Time now)
-    : local_(std::move(spec)), local_tiles_(std::move(tiles)), ends_(1), accepted_(now) {
+Job::Job(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles)
+    : local_(std::move(spec)), local_tiles_(std::move(tiles)), ends_(1) {
   kept_.set_job(id);
   kept_.mutable_request()->set_priority(local_->priority);
 }
@@ -40,23 +56,51 @@ bool Job::ended() const {
   return frames_ended_ == ends_.size() || (kept_.cancelled() && running_.empty());
 }
 
-std::optional<uint32_t> Job::next_frame() const {
+std::optional<uint32_t> Job::next_frame(Time now) const {
   if (kept_.cancelled()) return std::nullopt;
+  // What ends workers is not tried with frame after frame.
+  const auto is_for_people = [](const auto& of) {
+    return of.second.until == Time::max() && !of.second.until_another_worker;
+  };
+  if (std::count_if(holds_.begin(), holds_.end(), is_for_people) >= kMostForPeople) {
+    return std::nullopt;
+  }
   for (uint32_t frame = next_frame_; frame < ends_.size(); ++frame) {
     const auto is_it = [frame](const Running& running) { return running.frame == frame; };
-    if (!ends_[frame] && std::none_of(running_.begin(), running_.end(), is_it)) return frame;
+    if (ends_[frame] || std::any_of(running_.begin(), running_.end(), is_it)) continue;
+    const auto hold = holds_.find(frame);
+    if (hold == holds_.end() || hold->second.until <= now) return frame;
   }
   return std::nullopt;
 }
 
-void Job::begin(uint32_t frame, std::unique_ptr<ActiveFrame> active, Time now) {
-  next_frame_ = frame + 1;
+void Job::begin(uint32_t frame, std::unique_ptr<ActiveFrame> active) {
+  // Of those before it, some may be held.
+  while (next_frame_ < ends_.size() && (ends_[next_frame_] || next_frame_ == frame)) ++next_frame_;
+  holds_.erase(frame);
+  pauses_.erase(frame);
   tiles_per_frame_ = active->assembler().tiles().size();
   running_.push_back({frame, std::move(active)});
-  pauses_ = 0;
-  if (begun_) return;
-  begun_ = now;
-  done_when_begun_ = progress(now).tiles_done;
+  begun_ = true;
+  stored_.erase(frame);
+}
+
+void Job::set_stored(uint32_t frame, uint64_t tiles) {
+  // There may be tiles of another grid.
+  stored_[frame] = std::min(tiles, tiles_per_frame_);
+}
+
+uint64_t Job::stored(uint32_t frame) const {
+  const auto it = stored_.find(frame);
+  return it == stored_.end() ? 0 : it->second;
+}
+
+void Job::stop(uint32_t frame) {
+  const auto is_it = [frame](const Running& running) { return running.frame == frame; };
+  const auto it = std::find_if(running_.begin(), running_.end(), is_it);
+  if (it == running_.end()) return;
+  traced_before_ += it->active->traced();
+  running_.erase(it);
 }
 
 void Job::end(uint32_t frame, v1::JobEnd end) {
@@ -65,28 +109,76 @@ void Job::end(uint32_t frame, v1::JobEnd end) {
     if (end.how() == v1::JobEnd::DONE) ++frames_done_;
   }
   ends_[frame] = std::move(end);
-  std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
+  stop(frame);
+  stored_.erase(frame);
+  holds_.erase(frame);
+  pauses_.erase(frame);
   scene_failures_.erase(frame);
   expected_films_.erase(frame);
 }
 
-void Job::put_aside(uint32_t frame, Hold hold) {
-  std::erase_if(running_, [frame](const Running& running) { return running.frame == frame; });
+bool Job::held() const {
+  const size_t open = ends_.size() - frames_ended_;
+  return !holds_.empty() && running_.empty() &&
+         (holds_.size() == open || !next_frame(Time::max() - Time{1}));
+}
+
+std::string Job::hold_cause() const {
+  if (holds_.empty()) return "";
+  const auto& [frame, hold] = *holds_.begin();
+  if (frame_count() == 1) return hold.cause;
+  const int32_t number = request().animation() ? request().frames(static_cast<int>(frame)).number()
+                                               : static_cast<int32_t>(frame) + 1;
+  const std::string others =
+      holds_.size() > 1
+          ? fmt::format(" (and {} are held)", counted(holds_.size() - 1, "other frame"))
+          : "";
+  return fmt::format("frame {}: {}{}", number, hold.cause, others);
+}
+
+void Job::note_worker(WorkerId worker) {
+  std::erase_if(holds_, [&](const auto& held) {
+    const auto failures = scene_failures_.find(held.first);
+    const bool has_failed = failures != scene_failures_.end() && failures->second.contains(worker);
+    return held.second.until_another_worker && !has_failed;
+  });
+}
+
+void Job::release() {
+  holds_.clear();
+  pauses_.clear();
+  scene_failures_.clear();
+}
+
+void Job::put_aside(uint32_t frame) {
+  for (Running& running : running_) {
+    if (running.frame != frame) continue;
+    set_stored(frame, running.active->assembler().tiles_done());
+    scene_failures_[frame] = running.active->scene_failures();
+    last_costs_ = std::move(running.active->scheduler().costs());
+  }
+  stop(frame);
   next_frame_ = std::min(next_frame_, frame);
-  hold_ = std::move(hold);
 }
 
-Time Job::next_pause() {
+Time Job::next_pause(uint32_t frame) {
   constexpr int kMostDoublings = 6;
-  return std::chrono::seconds(1) * (1 << std::min(pauses_++, kMostDoublings));
+  return std::chrono::seconds(1) * (1 << std::min(pauses_[frame]++, kMostDoublings));
 }
 
-void Job::reopen(uint32_t frame) {
+void Job::reopen(uint32_t frame, uint64_t stored) {
   if (!ends_[frame]) return;
   --frames_ended_;
   if (ends_[frame]->how() == v1::JobEnd::DONE) --frames_done_;
   ends_[frame].reset();
   next_frame_ = std::min(next_frame_, frame);
+  set_stored(frame, stored);
+}
+
+uint64_t Job::traced() const {
+  uint64_t count = traced_before_;
+  for (const Running& running : running_) count += running.active->traced();
+  return count;
 }
 
 size_t Job::leases() const {
@@ -95,13 +187,20 @@ size_t Job::leases() const {
   return count;
 }
 
-void Job::account(Time now) {
+bool Job::works(const std::vector<int32_t>& served) const {
+  if (running_.empty()) return false;
+  if (leases() > 0) return true;
+  return !kept_.paused() &&
+         std::find(served.begin(), served.end(), request().priority()) != served.end();
+}
+
+void Job::account(Time now, bool works) {
+  meter_.account(now, works, traced());
   const double seconds = to_seconds(now - std::exchange(counted_until_, now));
   worker_seconds_ += static_cast<double>(leases()) * seconds;
 }
 
-double Job::share(Time now) {
-  account(now);
+double Job::share() const {
   const auto held = static_cast<double>(leases());
   const auto mean =
       running_.empty() ? std::nullopt : running_.front().active->scheduler().mean_seconds();
@@ -119,28 +218,28 @@ uint64_t Job::tiles_restored() const {
   for (const auto& end : ends_) {
     if (end) count += total(*end, "tiles_restored");
   }
+  for (const auto& [frame, tiles] : stored_) count += tiles;
   for (const Running& running : running_) count += running.active->report().tiles_restored;
   return count;
 }
 
-JobProgress Job::progress(Time now) const {
+JobProgress Job::progress(Time now, bool works) const {
   JobProgress progress;
   for (const auto& end : ends_) {
     if (end) progress.tiles_done += total(*end, "tiles_done");
   }
+  for (const auto& [frame, tiles] : stored_) progress.tiles_done += tiles;
   for (const Running& running : running_) {
     progress.tiles_done += running.active->assembler().tiles_done();
   }
   progress.tiles_total = tiles_per_frame_ * ends_.size();
-  const auto since = accepted_ ? accepted_ : begun_;
-  // Of one that has ended, until it was last at work.
-  const Time until = ended() ? counted_until_ : now;
-  progress.elapsed_seconds = since && until > *since ? to_seconds(until - *since) : 0;
+  progress.elapsed_seconds = meter_.seconds(now, works);
   progress.remaining_seconds = -1;
-  if (begun_ && progress.tiles_done > done_when_begun_) {
+  if (works) {
+    const uint64_t left =
+        progress.tiles_total - std::min(progress.tiles_done, progress.tiles_total);
     progress.remaining_seconds =
-        remaining_seconds(to_seconds(now - *begun_), progress.tiles_done - done_when_begun_,
-                          progress.tiles_total - progress.tiles_done);
+        meter_.remaining_seconds(traced(), left, progress.tiles_total, leases());
   }
   return progress;
 }

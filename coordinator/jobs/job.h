@@ -10,6 +10,7 @@
 
 #include "base/monotonic.h"
 #include "coordinator/jobs/active_frame.h"
+#include "coordinator/jobs/work_meter.h"
 #include "job/job.h"
 #include "proto/tessera/v1/farm.pb.h"
 
@@ -19,11 +20,11 @@ namespace tessera {
 /// have ended, which are being traced, and what share of the workers it had.
 class Job {
  public:
-  /// As it was kept. `now`: when it was accepted, if that was in this process.
-  explicit Job(v1::KeptJob kept, std::optional<Time> now = {});
+  /// As it was kept.
+  explicit Job(v1::KeptJob kept);
   /// Of this process: one frame, whose result is taken and kept nowhere; its tiles are kept in
   /// `tiles`, unless that is null.
-  Job(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles, Time now);
+  Job(uint64_t id, JobSpec spec, std::shared_ptr<TileStore> tiles);
 
   uint64_t id() const { return kept_.job(); }
   const v1::SubmitJob& request() const { return kept_.request(); }
@@ -42,8 +43,8 @@ class Job {
   uint32_t frames_done() const { return frames_done_; }
   /// All frames have ended, or none of those that are left is wanted.
   bool ended() const;
-  /// The first frame that was not begun and has not ended.
-  std::optional<uint32_t> next_frame() const;
+  /// The first frame that was not begun, has not ended and is not held at that time.
+  std::optional<uint32_t> next_frame(Time now) const;
 
   /// The frames that are being traced, the earliest first.
   struct Running {
@@ -52,32 +53,41 @@ class Job {
   };
   std::deque<Running>& running() { return running_; }
   const std::deque<Running>& running() const { return running_; }
-  void begin(uint32_t frame, std::unique_ptr<ActiveFrame> active, Time now);
+  void begin(uint32_t frame, std::unique_ptr<ActiveFrame> active);
   /// Whether any frame was, in this process.
-  bool begun() const { return begun_.has_value(); }
+  bool begun() const { return begun_; }
+  /// So many tiles of a frame that is not being traced are in the store.
+  void set_stored(uint32_t frame, uint64_t tiles);
+  uint64_t stored(uint32_t frame) const;
   void end(uint32_t frame, v1::JobEnd end);
-  /// It has not ended after all, and is to be begun again.
-  void reopen(uint32_t frame);
+  /// It has not ended after all, and is to be begun again, with so many tiles that are stored.
+  void reopen(uint32_t frame, uint64_t stored);
 
-  /// Why it does not go on, though nothing is wrong with it that people would have to mend.
+  /// Why a frame does not go on, though nothing is wrong with it that people would have to mend.
+  /// The job's other frames go on.
   struct Hold {
     std::string cause;
     Time until = Time::max();           ///< when it is tried again
     bool until_another_worker = false;  ///< it is tried again too when a worker comes
   };
-  const std::optional<Hold>& hold() const { return hold_; }
-  bool held(Time now) const { return hold_ && hold_->until > now; }
-  /// The frame, which may be running, is begun again after that.
-  void put_aside(uint32_t frame, Hold hold);
-  void release() { hold_.reset(); }
+  const std::map<uint32_t, Hold>& holds() const { return holds_; }
+  /// Whether none of its frames that are left can go on.
+  bool held() const;
+  /// What its held frames lack; empty: none is held.
+  std::string hold_cause() const;
+  void hold(uint32_t frame, Hold hold) { holds_[frame] = std::move(hold); }
+  /// The frame is not traced any more, and begun again from what is stored of it.
+  void put_aside(uint32_t frame);
+  /// Held frames for which another worker is waited for, and which this one has not failed, are
+  /// tried again.
+  void note_worker(WorkerId worker);
+  /// Tries again all that is held.
+  void release();
   /// What went wrong at workers with the scene of a frame that has not ended.
   std::map<uint32_t, SceneFailures>& scene_failures() { return scene_failures_; }
-  /// How long to wait after the next failure to begin: longer each time, until forget_failures().
-  Time next_pause();
-  void forget_failures() {
-    pauses_ = 0;
-    scene_failures_.clear();
-  }
+  /// How long the frame is to wait after the next failure to begin: longer each time, until it is
+  /// begun.
+  Time next_pause(uint32_t frame);
 
   /// The film that a frame made when it was done first, where its tiles are traced again.
   struct ExpectedFilm {
@@ -87,11 +97,15 @@ class Job {
   };
   std::map<uint32_t, ExpectedFilm>& expected_films() { return expected_films_; }
 
-  /// Counts what workers hold until now; to be called before that changes.
-  void account(Time now);
+  /// Whether it is worked on: workers hold tiles of it, or it takes turns with the jobs of which
+  /// they do, `served` being the priorities of these.
+  bool works(const std::vector<int32_t>& served) const;
+  /// Counts what workers hold until now, and the time if it `works`; to be called before that
+  /// changes.
+  void account(Time now, bool works);
   /// Worker-seconds by weight: what it had until now, and will soon have had for the tiles that
   /// workers hold. The job that has least is next.
-  double share(Time now);
+  double share() const;
   /// Starts level with others that have been there for longer.
   void catch_up(double share);
   double worker_seconds() const { return worker_seconds_; }
@@ -100,11 +114,18 @@ class Job {
   std::optional<TileCosts>& last_costs() { return last_costs_; }
   const std::optional<TileCosts>& last_costs() const { return last_costs_; }
 
-  JobProgress progress(Time now) const;
+  /// Its tiles that are done or stored, how long it was worked on, and how long the rest will take,
+  /// which is not known while it does not `work`: whoever tells of these tells this.
+  JobProgress progress(Time now, bool works) const;
+  /// The seconds for which it was worked on until account() was called last.
+  double worked_seconds() const { return meter_.seconds(counted_until_, false); }
   uint64_t tiles_restored() const;
+  size_t leases() const;
 
  private:
-  size_t leases() const;
+  uint64_t traced() const;
+  /// Takes it out of running_.
+  void stop(uint32_t frame);
 
   v1::KeptJob kept_;
   std::optional<JobSpec> local_;
@@ -115,12 +136,13 @@ class Job {
   std::deque<Running> running_;
   std::optional<TileCosts> last_costs_;
   double worker_seconds_ = 0, head_start_ = 0;
-  std::optional<Time> accepted_;
   Time counted_until_{};
-  std::optional<Time> begun_;
-  uint64_t done_when_begun_ = 0;
-  std::optional<Hold> hold_;
-  int pauses_ = 0;
+  bool begun_ = false;
+  WorkMeter meter_;
+  uint64_t traced_before_ = 0;           ///< in frames that are not being traced any more
+  std::map<uint32_t, uint64_t> stored_;  ///< tiles, by frame
+  std::map<uint32_t, Hold> holds_;       ///< by frame
+  std::map<uint32_t, int> pauses_;       ///< by frame
   std::map<uint32_t, SceneFailures> scene_failures_;  ///< by frame
   std::map<uint32_t, ExpectedFilm> expected_films_;   ///< by frame
 };

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "coordinator/jobs/scheduling.h"
 #include "coordinator/tiles/tile_rules.h"
 
 namespace tessera {
@@ -17,6 +18,9 @@ struct JobRules : TileRules {
   /// What all submissions of clients together may come to take, blobs, scenes and films; and the
   /// films of their frames that run. One whose film is larger is refused, others wait.
   uint64_t client_budget_bytes = uint64_t{32} << 30;
+  /// Of the frames that run. Their films take no more than client_budget_bytes either.
+  BeginLimits begin{};
+  size_t scenes_of_worker = 16;  ///< that a worker is told of at one time; above 0
   /// Where workers can map the memory of this process; 0: they cannot. RenderLoop fills it in.
   uint32_t shared_by_process = 0;
 };

@@ -1,5 +1,7 @@
 #include "coordinator/jobs/job_status.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "job/job_messages.h"
@@ -35,7 +37,40 @@ FarmSnapshot::JobState state_of(const v1::JobStatus& status) {
 
 }  // namespace
 
-v1::JobStatus status_of(const Job& job, uint32_t frame, const std::string& trouble, Time now) {
+std::string waits_for(const Job& job, const OpenJob& open, const FarmState& farm) {
+  if (job.ended()) return "";
+  if (open.paused) {
+    const std::string& by = job.kept().paused_by();
+    return "somebody to resume it" + (by.empty() ? "" : ": it was paused by " + by);
+  }
+  if (!farm.trouble.empty()) return "the store: " + farm.trouble;
+  if (job.held()) return "what is lacking: " + job.hold_cause();
+  if (farm.workers == 0) return "workers";
+  if (open.begun.empty()) {
+    const Wait wait = wait_of(open, farm.begun, farm.limits);
+    if (wait.what == Wait::For::nothing) return "";
+    if (wait.what == Wait::For::jobs) {
+      return fmt::format("job {}, which was begun before", wait.behind);
+    }
+    return fmt::format(
+        "memory: its picture takes {} bytes, those of jobs that were begun, as job {}, {} of {}",
+        open.next->film_bytes, wait.behind, wait.promised_bytes, farm.limits.film_bytes);
+  }
+  if (tiles_out(open) > 0) return "";
+  const OpenJob* urgent = nullptr;
+  for (const OpenJob& other : farm.begun) {
+    if (tiles_out(other) == 0 || other.priority < open.priority || other.id == open.id) continue;
+    if (!urgent || other.priority > urgent->priority) urgent = &other;
+  }
+  if (!urgent) return "a worker that builds its scene";
+  return urgent->priority > open.priority ? fmt::format("job {}, which is more urgent", urgent->id)
+                                          : "";
+}
+
+v1::JobStatus status_of(const Job& job, const OpenJob& open, const FarmState& farm, uint32_t frame,
+                        Time now) {
+  const JobProgress progress = job.progress(now, job.works(farm.served));
+  const std::string& trouble = farm.trouble;
   const v1::SubmitJob& request = job.request();
   v1::JobStatus status;
   status.set_submission(request.submission());
@@ -48,9 +83,8 @@ v1::JobStatus status_of(const Job& job, uint32_t frame, const std::string& troub
   status.set_state(job.ended()              ? v1::JobStatus::ENDED
                    : job.kept().paused()    ? v1::JobStatus::PAUSED
                    : !job.running().empty() ? v1::JobStatus::RUNNING
-                   : job.hold()             ? v1::JobStatus::HELD
+                   : job.held()             ? v1::JobStatus::HELD
                                             : v1::JobStatus::QUEUED);
-  const JobProgress progress = job.progress(now);
   status.set_tiles_done(progress.tiles_done);
   status.set_tiles_total(progress.tiles_total);
   status.set_tiles_restored(job.tiles_restored());
@@ -62,8 +96,9 @@ v1::JobStatus status_of(const Job& job, uint32_t frame, const std::string& troub
     *status.mutable_frame() = request.frames(static_cast<int>(frame));
     if (const auto& end = job.end_of(frame)) *status.mutable_end() = *end;
   }
+  status.set_waits_for(printable(waits_for(job, open, farm)));
   if (status.state() != v1::JobStatus::ENDED) {
-    status.set_failure(trouble.empty() && job.hold() ? job.hold()->cause : trouble);
+    status.set_failure(trouble.empty() ? job.hold_cause() : trouble);
     return status;
   }
   if (job.kept().cancelled()) {
@@ -83,8 +118,8 @@ v1::JobStatus status_of(const Job& job, uint32_t frame, const std::string& troub
   return status;
 }
 
-FarmSnapshot::Job describe(const Job& job, Time now) {
-  const v1::JobStatus status = status_of(job, 0, "", now);
+FarmSnapshot::Job describe(const Job& job, const OpenJob& open, const FarmState& farm, Time now) {
+  const v1::JobStatus status = status_of(job, open, farm, 0, now);
   FarmSnapshot::Job shown;
   shown.id = job.id();
   shown.name = printable(status.name());
@@ -102,7 +137,8 @@ FarmSnapshot::Job describe(const Job& job, Time now) {
   shown.remaining_seconds = status.remaining_seconds();
   shown.worker_seconds = job.worker_seconds();
   shown.exit_code = static_cast<int>(status.exit_code());
-  shown.failure = printable(status.failure());
+  shown.failure = printable(job.ended() ? status.failure() : job.hold_cause());
+  shown.waits_for = status.waits_for();
   for (const Job::Running& running : job.running()) shown.frames_running.push_back(running.frame);
   return shown;
 }

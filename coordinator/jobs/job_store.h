@@ -38,6 +38,10 @@ class JobStore : public TileStore {
   virtual void remove(uint64_t job, const std::vector<Digest>& tile_keys,
                       const std::vector<Digest>& blobs) = 0;
 
+  /// How many tiles are kept under the key; find() may find fewer to be sound. Throws
+  /// temporary_error where that cannot be read now.
+  virtual uint64_t tile_count(const Digest& key) = 0;
+
   /// Tiles of all jobs with pixels made under the public key `key`, written as by key_text().
   virtual std::vector<StoredTile> tiles_traced_by(const std::string& key) = 0;
 

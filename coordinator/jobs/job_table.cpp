@@ -11,7 +11,6 @@
 
 #include "base/log.h"
 #include "base/plural.h"
-#include "coordinator/jobs/job_status.h"
 #include "coordinator/jobs/preview.h"
 #include "coordinator/tiles/identity.h"
 #include "job/check_job.h"
@@ -26,6 +25,8 @@ namespace {
 
 constexpr int kFrameBits = 20;
 constexpr size_t kMaxJobs = 4096;
+/// Of who paused a job, in bytes.
+constexpr size_t kMostBy = 200;
 
 }  // namespace
 
@@ -52,6 +53,7 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
     last_job_ = std::max(last_job_, kept.job());
     auto job = std::make_unique<Job>(std::move(kept));
     by_submission_[job->request().submission()] = job->id();
+    count_stored(*job);
     add(std::move(job));
   }
   last_job_before_ = last_job_;
@@ -62,6 +64,24 @@ JobTable::JobTable(const JobRules& rules, std::shared_ptr<JobStore> store)
                open_.size() == 1 ? "1 has" : fmt::format("{} have", open_.size()));
 }
 
+uint64_t JobTable::stored_tiles(const Job& job, uint32_t frame) {
+  if (!has_frame(job.kept(), frame)) return 0;
+  const auto key = Digest::parse(job.kept().tile_keys(static_cast<int>(frame)));
+  try {
+    return key ? store_->tile_count(*key) : 0;
+  } catch (const Error& error) {
+    spdlog::warn("{}; how far job {} is cannot be told before it is begun", error.what(), job.id());
+    return 0;
+  }
+}
+
+void JobTable::count_stored(Job& job) {
+  for (uint32_t frame = 0; frame < job.frame_count() && !job.ended(); ++frame) {
+    if (job.end_of(frame)) continue;
+    if (const uint64_t tiles = stored_tiles(job, frame)) job.set_stored(frame, tiles);
+  }
+}
+
 void JobTable::add(std::unique_ptr<Job> job) {
   const uint64_t id = job->id();
   if (!job->ended()) open_.emplace(id, job.get());
@@ -69,7 +89,20 @@ void JobTable::add(std::unique_ptr<Job> job) {
 }
 
 v1::JobStatus JobTable::status(const Job& job, uint32_t frame, Time now) const {
-  v1::JobStatus status = status_of(job, frame, store_trouble(), now);
+  return status(job, frame, state(now), now);
+}
+
+void JobTable::each_status(uint64_t after, Time now,
+                           const std::function<bool(v1::JobStatus)>& take) const {
+  const FarmState farm = state(now);
+  for (auto it = jobs_.upper_bound(after); it != jobs_.end(); ++it) {
+    if (!it->second->local() && !take(status(*it->second, 0, farm, now))) return;
+  }
+}
+
+v1::JobStatus JobTable::status(const Job& job, uint32_t frame, const FarmState& farm,
+                               Time now) const {
+  v1::JobStatus status = status_of(job, open_job(job, now), farm, frame, now);
   const bool unsaved = std::any_of(unsaved_.begin(), unsaved_.end(),
                                    [&job](const auto& end) { return end.first == job.id(); });
   // Nobody is told of an end that a coordinator after this one would not know of.
@@ -78,18 +111,27 @@ v1::JobStatus JobTable::status(const Job& job, uint32_t frame, Time now) const {
   status.clear_end();
   status.clear_how();
   status.clear_exit_code();
-  status.set_failure(store_trouble());
+  status.set_failure(farm.trouble);
+  status.set_waits_for("the store: " + farm.trouble);
   return status;
 }
 
 void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
-  snapshot.store_trouble = store_trouble();
+  const FarmState farm = state(now);
+  snapshot.store_trouble = farm.trouble;
   snapshot.counters.tiles_restored = tiles_restored_;
   snapshot.counters.jobs_accepted = jobs_accepted_;
   snapshot.counters.commit_seconds = store_->commit_seconds();
   for (const auto& [id, job] : jobs_) {
-    if (!job->local()) snapshot.jobs.push_back(tessera::describe(*job, now));
+    if (job->local()) continue;
+    snapshot.jobs.push_back(tessera::describe(*job, open_job(*job, now), farm, now));
   }
+}
+
+std::optional<JobProgress> JobTable::progress(uint64_t frame, Time now) const {
+  const auto it = open_.find(frame >> kFrameBits);
+  if (it == open_.end() || it->second->running().empty()) return std::nullopt;
+  return it->second->progress(now, it->second->works(served()));
 }
 
 std::vector<std::pair<uint64_t, uint32_t>> JobTable::running_frames() const {
@@ -116,7 +158,11 @@ std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
   }
   const Job* const job = find(id);
   const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
-  const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
+  BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
+  if (job && !end && job->stored(frame) > 0 && has_frame(job->kept(), frame)) {
+    const auto part = films_.part(recipe_of(job->kept(), frame));
+    if (part) pixels = copy_to_blob(std::as_bytes(part->first.values()));
+  }
   const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
   const int channels = job ? aovs_of(job->request(), frame).channels() : kFilmChannels;
   const size_t count = static_cast<size_t>(rect.area()) * static_cast<size_t>(channels);
@@ -134,6 +180,10 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
                         most_side);
   }
   const auto& end = job->end_of(frame);
+  if (!end && job->stored(frame) > 0 && has_frame(job->kept(), frame)) {
+    const auto part = films_.part(recipe_of(job->kept(), frame));
+    if (part) return make_preview(part->first, output, part->second, most_side);
+  }
   const BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
   if (!pixels) return std::nullopt;
   try {
@@ -163,10 +213,10 @@ uint64_t JobTable::frame_number(uint64_t job, uint32_t frame) {
 
 // ------------------------------------------------------------------------- jobs of this process
 
-uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles) {
+uint64_t JobTable::submit(JobSpec spec, std::shared_ptr<TileStore> tiles) {
   check_job(spec);
   const uint64_t id = ++last_job_;
-  auto job = std::make_unique<Job>(id, std::move(spec), std::move(tiles), now);
+  auto job = std::make_unique<Job>(id, std::move(spec), std::move(tiles));
   job->kept().set_id(job_id_of(rules_.opening, id));
   add(std::move(job));
   return frame_number(id, 0);
@@ -175,7 +225,7 @@ uint64_t JobTable::submit(JobSpec spec, Time now, std::shared_ptr<TileStore> til
 void JobTable::interrupt(uint64_t frame, Time now) {
   for (const auto& [id, job] : open_) {
     if (!job->local() || frame_number(id, 0) != frame) continue;
-    if (job->running().empty()) job->begin(0, make_active(*job, 0, now), now);
+    if (job->running().empty()) job->begin(0, make_active(*job, 0, now));
     job->running().front().active->interrupt();
   }
 }
@@ -203,7 +253,7 @@ std::optional<JobResult> JobTable::take_result(uint64_t frame) {
 
 // ------------------------------------------------------------------------------ jobs of clients
 
-void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, Time now) {
+void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs) {
   if (jobs_.size() >= kMaxJobs) {
     throw render_error(
         fmt::format("the coordinator has {} jobs; expected fewer: forget some", jobs_.size()));
@@ -234,8 +284,9 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs, T
   *kept.mutable_request() = std::move(request);
   store_->save(kept);
   ++last_job_;
-  auto job = std::make_unique<Job>(std::move(kept), now);
+  auto job = std::make_unique<Job>(std::move(kept));
   by_submission_[job->request().submission()] = job->id();
+  count_stored(*job);
   add(std::move(job));
   ++jobs_accepted_;
 }
@@ -250,10 +301,17 @@ Job* JobTable::find_submission(uint64_t submission) {
   return it == by_submission_.end() ? nullptr : find(it->second);
 }
 
-void JobTable::pause(Job& job, bool paused) {
+v1::KeptJob JobTable::kept_now(const Job& job) {
+  v1::KeptJob kept = job.kept();
+  kept.set_worked_seconds(job.worked_seconds());
+  return kept;
+}
+
+void JobTable::pause(Job& job, bool paused, const std::string& by) {
   if (job.ended() || job.kept().paused() == paused) return;
-  v1::KeptJob changed = job.kept();
+  v1::KeptJob changed = kept_now(job);
   changed.set_paused(paused);
+  changed.set_paused_by(paused && by.size() <= kMostBy ? printable(by) : "");
   store_->save(changed);
   job.kept() = std::move(changed);
 }
@@ -263,7 +321,7 @@ void JobTable::set_priority(Job& job, int32_t priority) {
     throw usage_error(fmt::format("priority {}; expected a number from {} to {}", priority,
                                   -kMostPriority, kMostPriority));
   }
-  v1::KeptJob changed = job.kept();
+  v1::KeptJob changed = kept_now(job);
   changed.mutable_request()->set_priority(priority);
   store_->save(changed);
   job.kept() = std::move(changed);
@@ -271,7 +329,7 @@ void JobTable::set_priority(Job& job, int32_t priority) {
 
 void JobTable::cancel(Job& job) {
   if (job.ended() || job.kept().cancelled()) return;
-  v1::KeptJob changed = job.kept();
+  v1::KeptJob changed = kept_now(job);
   changed.set_cancelled(true);
   store_->save(changed);
   job.kept() = std::move(changed);
@@ -294,9 +352,8 @@ void JobTable::forget_film(const Job& job, const std::string& film) {
 }
 
 bool JobTable::retry(Job& job) {
-  if (job.hold()) {
+  if (!job.holds().empty()) {
     job.release();
-    job.forget_failures();
     return true;
   }
   if (!job.ended() || job.kept().cancelled()) return false;
@@ -316,7 +373,7 @@ void JobTable::reopen(Job& job, uint32_t frame) {
     return unsaved.first == job.id() && unsaved.second.frame() == frame;
   });
   forget_film(job, job.end_of(frame)->film_digest());
-  job.reopen(frame);
+  job.reopen(frame, stored_tiles(job, frame));
   open_.emplace(job.id(), &job);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,7 +15,9 @@
 #include "coordinator/jobs/film_shelf.h"
 #include "coordinator/jobs/job.h"
 #include "coordinator/jobs/job_rules.h"
+#include "coordinator/jobs/job_status.h"
 #include "coordinator/jobs/job_store.h"
+#include "coordinator/jobs/scheduling.h"
 #include "job/job.h"
 
 namespace tessera {
@@ -28,7 +31,7 @@ class JobTable {
 
   // Jobs of this process.
   /// Throws usage_error if its frame, crop or tile size cannot be.
-  uint64_t submit(JobSpec spec, Time now, std::shared_ptr<TileStore> tiles);
+  uint64_t submit(JobSpec spec, std::shared_ptr<TileStore> tiles);
   /// Ends it now, as interrupted, with what there is; also where it was not begun.
   void interrupt(uint64_t frame, Time now);
   /// Forgets it, begun or not; advance() tells that it has ended.
@@ -42,13 +45,14 @@ class JobTable {
   // Jobs of clients.
   /// Takes a submission whose blobs are in the store. Throws Error where it cannot be rendered or
   /// kept.
-  void accept(v1::SubmitJob request, const std::vector<Digest>& blobs, Time now);
+  void accept(v1::SubmitJob request, const std::vector<Digest>& blobs);
   Job* find(uint64_t job);
   Job* find_submission(uint64_t submission);
   const std::map<uint64_t, std::unique_ptr<Job>>& all() const { return jobs_; }
   uint64_t last_job() const { return last_job_; }
   /// Each throws render_error where the store cannot keep it; then nothing has changed.
-  void pause(Job& job, bool paused);
+  /// `by`: who ordered it.
+  void pause(Job& job, bool paused, const std::string& by = {});
   void set_priority(Job& job, int32_t priority);
   void cancel(Job& job);
   /// An ended one.
@@ -57,10 +61,15 @@ class JobTable {
   /// neither.
   bool retry(Job& job);
   v1::JobStatus status(const Job& job, uint32_t frame, Time now) const;
+  /// The status of each job of a client with a number above `after`, in their order, until `take`
+  /// returns false.
+  void each_status(uint64_t after, Time now, const std::function<bool(v1::JobStatus)>& take) const;
 
   // For people.
   /// Jobs of clients, and the counters of jobs.
   void describe(FarmSnapshot& snapshot, Time now) const;
+  /// Of the job of a frame that is being traced, by the number that workers know; else nothing.
+  std::optional<JobProgress> progress(uint64_t frame, Time now) const;
   /// Of jobs that clients submitted to this coordinator.
   uint64_t accepted_count() const { return jobs_accepted_; }
   std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
@@ -72,8 +81,12 @@ class JobTable {
   /// Of a frame that is being traced, or of the last ones that were; else null.
   std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
 
-  /// How many threads trace now, for the choice of tile sizes; 0: not known.
-  void set_threads(uint32_t threads) { threads_ = threads; }
+  /// How many workers are there, and with how many threads they trace, for the choice of tile
+  /// sizes; 0: not known.
+  void set_workers(int workers, uint32_t threads) {
+    workers_ = workers;
+    threads_ = threads;
+  }
 
   // Workers, and by whose keys they came.
   WorkerKeys& keys() { return *keys_; }
@@ -89,13 +102,17 @@ class JobTable {
   ActiveFrame* running(uint64_t frame);
   /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share
   /// that each has had.
-  const std::vector<ActiveFrame*>& by_need(Time now);
+  const std::vector<ActiveFrame*>& by_need();
   const std::vector<ActiveFrame*>& running() const { return running_; }
   struct Changes {
+    /// Nothing was put aside or begun, so that nothing more follows from it.
+    bool settled = true;
     std::vector<uint64_t> ended;  ///< frames, by the number that workers know
     std::vector<ActiveFrame*> begun;
   };
-  /// Files what has ended, and begins what there is room for.
+  /// For tests: which rule of scheduling does not hold; empty: all do.
+  std::string broken_rule(Time now) const;
+  /// Files what has ended, and does what plan_begin() says.
   Changes advance(Time now);
   /// Why no tile is assigned: the store takes nothing; empty: it does.
   std::string store_trouble() const;
@@ -121,19 +138,31 @@ class JobTable {
   /// Of that job, which is not to be shown any more, though other tiles may make up the same.
   void forget_film(const Job& job, const std::string& film);
   void add(std::unique_ptr<Job> job);
+  /// Of a frame, in the store; 0 where that cannot be read now.
+  uint64_t stored_tiles(const Job& job, uint32_t frame);
+  void count_stored(Job& job);
+  /// What is to be kept of it, as of now.
+  static v1::KeptJob kept_now(const Job& job);
+  /// The priorities of jobs of which workers hold tiles.
+  std::vector<int32_t> served() const;
   /// Notes what running() is, after that has changed.
   void list_running();
   static uint64_t frame_number(uint64_t job, uint32_t frame);
-  std::vector<Job*> startable(Time now);
-  bool has_room_for(const Job& job) const;
+  BeginLimits limits() const;
+  OpenJob open_job(const Job& job, Time now) const;
+  /// Those that are begun or could be.
+  std::vector<OpenJob> open_jobs(Time now) const;
+  FarmState state(Time now) const;
+  v1::JobStatus status(const Job& job, uint32_t frame, const FarmState& farm, Time now) const;
   /// Of a frame of a client's job; of this process's own it is not counted.
   static uint64_t film_bytes_of(const Job& job, uint32_t frame);
-  /// Beside the films of the frames that run.
-  bool has_memory_for(uint64_t film) const;
   void begin(Job& job, uint32_t frame, Time now, Changes& changes);
   /// Begins it, or throws.
   std::unique_ptr<ActiveFrame> make_active(Job& job, uint32_t frame, Time now);
+  /// The frame, which is not running, is begun again after that.
   void hold(Job& job, uint32_t frame, Job::Hold hold);
+  /// Gives its memory back; it is begun again from its tiles in the store.
+  void put_aside(Job& job, uint32_t frame, Changes& changes);
   /// The frame's tiles are kept under another key from now on: this program computes otherwise than
   /// that which accepted the job.
   void change_key(Job& job, uint32_t frame, const Digest& key);
@@ -165,18 +194,14 @@ class JobTable {
   std::unique_ptr<WorkerKeys> keys_ = std::make_unique<WorkerKeys>();  ///< frames point to it
   std::map<uint64_t, std::unique_ptr<Job>> jobs_;
   std::map<uint64_t, Job*> open_;  ///< those of them that have not ended
-  struct Need {
-    int32_t priority;
-    double share;
-    Job* job;
-  };
   // Made anew at each message, these keep their memory.
   std::vector<ActiveFrame*> running_, by_need_;
-  std::vector<Need> needs_;
+  std::vector<std::pair<Need, Job*>> needs_;
   std::map<uint64_t, uint64_t> by_submission_;
   std::map<uint64_t, JobResult> results_;        ///< of jobs of this process
   std::optional<TileCosts> local_costs_;         ///< of the last of those
   uint64_t last_job_ = 0, last_job_before_ = 0;  ///< ever; of a coordinator before us
+  int workers_ = 0;
   uint32_t threads_ = 0;
   Changes changes_;                                             ///< that advance() has not told yet
   std::vector<std::pair<uint64_t, v1::KeptJob::End>> unsaved_;  ///< ends that the store must take

@@ -19,11 +19,6 @@
 namespace tessera {
 namespace {
 
-// So many jobs have their scenes and films in memory; more only where they are more urgent.
-constexpr size_t kMaxRunning = 8;
-constexpr size_t kMaxRunningUrgent = 64;
-/// Frames of one job at a time: the next begins when all tiles of the one before are given out.
-constexpr size_t kMaxFramesOfJob = 2;
 constexpr size_t kKeptTraces = 16;
 
 void log_end(const Job& job, uint32_t frame, const v1::JobEnd& end) {
@@ -42,7 +37,7 @@ void log_end(const Job& job, uint32_t frame, const v1::JobEnd& end) {
 }
 
 void log_going_on(const Job& job, Time now) {
-  const JobProgress progress = job.progress(now);
+  const JobProgress progress = job.progress(now, false);
   const std::string& name = job.request().name();
   spdlog::info("job {}{} goes on: {} of {} tiles are kept, {} to do", job.id(),
                name.empty() ? "" : " (" + printable(name) + ")", progress.tiles_done,
@@ -69,21 +64,20 @@ ActiveFrame* JobTable::running(uint64_t frame) {
   return const_cast<ActiveFrame*>(std::as_const(*this).running(frame));
 }
 
-const std::vector<ActiveFrame*>& JobTable::by_need(Time now) {
+const std::vector<ActiveFrame*>& JobTable::by_need() {
   needs_.clear();
   for (const auto& [id, job] : open_) {
     if (job->running().empty()) continue;
-    const double share = job->share(now);
-    if (!job->kept().paused()) needs_.push_back({job->request().priority(), share, job});
+    const double share = job->share();
+    if (!job->kept().paused()) needs_.push_back({{job->request().priority(), share}, job});
   }
   if (needs_.size() > 1) {
-    std::stable_sort(needs_.begin(), needs_.end(), [](const Need& a, const Need& b) {
-      return std::pair(-int64_t{a.priority}, a.share) < std::pair(-int64_t{b.priority}, b.share);
-    });
+    std::stable_sort(needs_.begin(), needs_.end(),
+                     [](const auto& a, const auto& b) { return is_needier(a.first, b.first); });
   }
   by_need_.clear();
-  for (const Need& need : needs_) {
-    for (Job::Running& running : need.job->running()) {
+  for (const auto& [need, job] : needs_) {
+    for (Job::Running& running : job->running()) {
       running.active->set_priority(need.priority);
       by_need_.push_back(running.active.get());
     }
@@ -91,65 +85,74 @@ const std::vector<ActiveFrame*>& JobTable::by_need(Time now) {
   return by_need_;
 }
 
-void JobTable::account(Time now) {
+std::vector<int32_t> JobTable::served() const {
+  std::vector<int32_t> result;
   for (const auto& [id, job] : open_) {
-    if (!job->running().empty()) job->account(now);
+    const int32_t priority = job->request().priority();
+    const bool is_known = std::find(result.begin(), result.end(), priority) != result.end();
+    if (!is_known && job->leases() > 0) result.push_back(priority);
+  }
+  return result;
+}
+
+void JobTable::account(Time now) {
+  const std::vector<int32_t> served = this->served();
+  for (const auto& [id, job] : open_) {
+    if (!job->running().empty()) job->account(now, job->works(served));
   }
 }
 
-std::vector<Job*> JobTable::startable(Time now) {
-  std::vector<Job*> result;
-  for (const auto& [id, job] : open_) {
-    if (!job->kept().paused() && !job->held(now) && job->next_frame()) result.push_back(job);
+BeginLimits JobTable::limits() const {
+  BeginLimits limits = rules_.begin;
+  limits.film_bytes = std::min(limits.film_bytes, rules_.client_budget_bytes);
+  return limits;
+}
+
+OpenJob JobTable::open_job(const Job& job, Time now) const {
+  OpenJob open{job.id(), job.request().priority(), job.kept().paused()};
+  for (const Job::Running& running : job.running()) {
+    const ActiveFrame& active = *running.active;
+    open.begun.push_back({running.frame, film_bytes_of(job, running.frame),
+                          active.scheduler().live_count(), active.scheduler().has_pending(),
+                          !job.local() && !active.waits_for_store()});
   }
-  std::stable_sort(result.begin(), result.end(), [](const Job* a, const Job* b) {
-    return a->request().priority() > b->request().priority();
-  });
+  const auto next = open.paused ? std::nullopt : job.next_frame(now);
+  if (!next) return open;
+  // What it would trace may be being traced.
+  const auto key_of = [&job](uint32_t frame) {
+    return has_frame(job.kept(), frame) ? job.kept().tile_keys(static_cast<int>(frame))
+                                        : std::string();
+  };
+  const bool is_traced =
+      std::any_of(job.running().begin(), job.running().end(),
+                  [&](const auto& running) { return key_of(running.frame) == key_of(*next); });
+  if (!is_traced) open.next = {*next, film_bytes_of(job, *next)};
+  return open;
+}
+
+std::vector<OpenJob> JobTable::open_jobs(Time now) const {
+  std::vector<OpenJob> result;
+  for (const auto& [id, job] : open_) {
+    OpenJob open = open_job(*job, now);
+    if (!open.begun.empty() || open.next) result.push_back(std::move(open));
+  }
   return result;
+}
+
+FarmState JobTable::state(Time now) const {
+  FarmState state{workers_, limits(), {}, served(), store_trouble()};
+  for (const auto& [id, job] : open_) {
+    if (!job->running().empty()) state.begun.push_back(open_job(*job, now));
+  }
+  return state;
 }
 
 uint64_t JobTable::film_bytes_of(const Job& job, uint32_t frame) {
   return job.local() ? 0 : tessera::film_bytes_of(job.request(), frame);
 }
 
-bool JobTable::has_memory_for(uint64_t film) const {
-  // Else begin() refuses it.
-  if (film > rules_.client_budget_bytes) return true;
-  for (const auto& [id, job] : open_) {
-    for (const Job::Running& running : job->running()) {
-      film = saturating_sum(film, film_bytes_of(*job, running.frame));
-    }
-  }
-  return film <= rules_.client_budget_bytes;
-}
-
-bool JobTable::has_room_for(const Job& job) const {
-  if (!has_memory_for(film_bytes_of(job, *job.next_frame()))) return false;
-  if (!job.running().empty()) {
-    const auto given_out = [](const Job::Running& running) {
-      return !running.active->scheduler().has_pending();
-    };
-    // What it would trace is being traced.
-    const auto key_of = [&job](uint32_t frame) {
-      return job.kept().tile_keys_size() > static_cast<int>(frame)
-                 ? job.kept().tile_keys(static_cast<int>(frame))
-                 : std::string();
-    };
-    const std::string key = key_of(*job.next_frame());
-    const bool same =
-        std::any_of(job.running().begin(), job.running().end(),
-                    [&](const Job::Running& running) { return key_of(running.frame) == key; });
-    return !same && job.running().size() < kMaxFramesOfJob &&
-           std::all_of(job.running().begin(), job.running().end(), given_out);
-  }
-  size_t running = 0;
-  int32_t least = std::numeric_limits<int32_t>::max();
-  for (const auto& [id, other] : open_) {
-    if (other->running().empty() || other->kept().paused()) continue;
-    ++running;
-    least = std::min(least, other->request().priority());
-  }
-  return running < kMaxRunning || (running < kMaxRunningUrgent && job.request().priority() > least);
+std::string JobTable::broken_rule(Time now) const {
+  return distrusted_.empty() ? tessera::broken_rule(open_jobs(now), limits()) : "";
 }
 
 JobTable::Changes JobTable::advance(Time now) {
@@ -164,10 +167,11 @@ JobTable::Changes JobTable::advance(Time now) {
       if (active.ended()) {
         finish(job, running, changes);
       } else if (shortage && !active.waits_for_store()) {
-        changes.ended.push_back(active.id());
-        job.scene_failures()[running.frame] = active.scene_failures();
-        hold(job, running.frame,
-             {.cause = shortage->cause, .until_another_worker = shortage->until_another_worker});
+        const Job::Hold cause{.cause = shortage->cause,
+                              .until_another_worker = shortage->until_another_worker};
+        const uint32_t frame = running.frame;
+        put_aside(job, frame, changes);
+        hold(job, frame, cause);
       } else {
         ++i;
       }
@@ -181,10 +185,21 @@ JobTable::Changes JobTable::advance(Time now) {
   }
   // What is kept of a frame may be of a key that is convicted.
   if (!distrusted_.empty()) return changes;
-  for (Job* job : startable(now)) {
-    if (has_room_for(*job)) begin(*job, *job->next_frame(), now, changes);
+  const BeginPlan plan = plan_begin(open_jobs(now), limits());
+  for (const FrameOfJob& aside : plan.put_aside) {
+    put_aside(*open_.at(aside.job), aside.frame, changes);
   }
+  for (const FrameOfJob& next : plan.begin) begin(*open_.at(next.job), next.frame, now, changes);
+  changes.settled = plan.put_aside.empty() && plan.begin.empty();
   return changes;
+}
+
+void JobTable::put_aside(Job& job, uint32_t frame, Changes& changes) {
+  for (const Job::Running& running : job.running()) {
+    if (running.frame == frame) changes.ended.push_back(running.active->id());
+  }
+  job.put_aside(frame);
+  list_running();
 }
 
 BlobData JobTable::load_blob(const std::string& hex) {
@@ -244,9 +259,9 @@ void JobTable::begin(Job& job, uint32_t frame, Time now, Changes& changes) {
     for (const auto& [id, other] : open_) {
       const bool peer = !other->running().empty() && !other->kept().paused() &&
                         other->request().priority() == job.request().priority();
-      if (peer) least = std::min(least.value_or(1e300), other->share(now));
+      if (peer) least = std::min(least.value_or(1e300), other->share());
     }
-    job.share(now);
+    job.account(now, false);
     if (least) job.catch_up(*least);
   }
   const PixelRect local_crop = job.local() ? job.local_crop() : PixelRect{};
@@ -274,29 +289,30 @@ void JobTable::begin(Job& job, uint32_t frame, Time now, Changes& changes) {
     }
     changes.begun.push_back(active.get());
     const bool goes_on = !job.local() && job.id() <= last_job_before_ && !job.begun();
-    job.begin(frame, std::move(active), now);
-    job.release();
+    active->set_priority(job.request().priority());
+    job.begin(frame, std::move(active));
     if (goes_on) log_going_on(job, now);
     list_running();
   } catch (const Error& error) {
     if (error.code() != ExitCode::try_again || job.local()) return fail(error.code(), error.what());
-    hold(job, frame, {.cause = error.what(), .until = now + job.next_pause()});
+    hold(job, frame, {.cause = error.what(), .until = now + job.next_pause(frame)});
   } catch (const std::bad_alloc&) {
     if (job.local()) throw;
     const v1::PixelRect& crop = job.request().crop();
     hold(job, frame,
          {.cause = fmt::format("the coordinator has no memory for {}x{} pixels with their scene",
                                crop.x1() - crop.x0(), crop.y1() - crop.y0()),
-          .until = now + job.next_pause()});
+          .until = now + job.next_pause(frame)});
   }
 }
 
 void JobTable::hold(Job& job, uint32_t frame, Job::Hold hold) {
-  if (!job.hold() || job.hold()->cause != hold.cause) {
-    spdlog::warn("job {} is held: {}", job.id(), printable(hold.cause));
+  const auto before = job.holds().find(frame);
+  if (before == job.holds().end() || before->second.cause != hold.cause) {
+    const std::string of_it = job.frame_count() > 1 ? fmt::format("frame {} of ", frame + 1) : "";
+    spdlog::warn("{}job {} is held: {}", of_it, job.id(), printable(hold.cause));
   }
-  job.put_aside(frame, std::move(hold));
-  list_running();
+  job.hold(frame, std::move(hold));
 }
 
 std::unique_ptr<ActiveFrame> JobTable::make_active(Job& job, uint32_t frame, Time now) {
@@ -366,12 +382,7 @@ bool JobTable::is_expected(Job& job, uint32_t frame, v1::JobEnd& end) {
 void JobTable::worker_has_come(WorkerId worker) {
   for (const auto& [id, job] : open_) {
     for (Job::Running& running : job->running()) running.active->note_another_worker();
-    if (!job->hold() || !job->hold()->until_another_worker) continue;
-    const auto& failures = job->scene_failures();
-    const bool failed = std::any_of(failures.begin(), failures.end(), [&](const auto& of_frame) {
-      return of_frame.second.contains(worker);
-    });
-    if (!failed) job->release();
+    job->note_worker(worker);
   }
 }
 
@@ -394,6 +405,8 @@ void JobTable::redo_distrusted() {
             !keys.contains(job->kept().tile_keys(static_cast<int>(frame)))) {
           continue;
         }
+        const bool is_open = !job->end_of(frame) && !running(id, frame);
+        if (is_open) job->set_stored(frame, stored_tiles(*job, frame));
         job->expected_films().erase(frame);
         const auto& end = job->end_of(frame);
         if (!end || end->how() != v1::JobEnd::DONE) continue;
@@ -423,6 +436,8 @@ void JobTable::finish(Job& job, Job::Running& running, Changes& changes) {
   end.set_film_size(result.film.values().size_bytes());
   end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
   if (!is_expected(job, frame, end)) {
+    job.put_aside(frame);
+    list_running();
     return hold(job, frame, {.cause = "its tiles are not what they were", .until = Time{}});
   }
   file_end(job, frame, std::move(end));
@@ -435,6 +450,7 @@ void JobTable::end_local(Job& job, uint32_t frame, JobResult result) {
 }
 
 void JobTable::file_end(Job& job, uint32_t frame, v1::JobEnd end) {
+  end.set_worked_seconds(job.worked_seconds());
   log_end(job, frame, end);
   v1::KeptJob::End kept;
   kept.set_frame(frame);
@@ -501,7 +517,7 @@ void JobTable::reopen(const Digest& film, FilmShelf::State state) {
         return unsaved.first == id && unsaved.second.frame() == frame;
       });
       // The end stays in the store: the picture that it names is the one that is to come of this.
-      job->reopen(frame);
+      job->reopen(frame, stored_tiles(*job, frame));
       job->expected_films()[frame] = {film.hex(), changed};
       open_.emplace(id, job.get());
     }

@@ -49,6 +49,12 @@ void MemoryJobStore::remove(uint64_t job, const std::vector<Digest>& tile_keys,
   for (const Digest& blob : blobs) blobs_.erase(blob);
 }
 
+uint64_t MemoryJobStore::tile_count(const Digest& key) {
+  check_readable();
+  const auto it = tiles_.find(key);
+  return it == tiles_.end() ? 0 : it->second.size();
+}
+
 std::vector<StoredTile> MemoryJobStore::tiles_traced_by(const std::string& tracer) {
   std::vector<StoredTile> found;
   for (const auto& [key, tiles] : tiles_) {

@@ -24,6 +24,7 @@ class MemoryJobStore : public JobStore {
   void remove(uint64_t job, const std::vector<Digest>& tile_keys,
               const std::vector<Digest>& blobs) override;
 
+  uint64_t tile_count(const Digest& key) override;
   std::vector<StoredTile> tiles_traced_by(const std::string& key) override;
 
   bool has_blob(const Digest& digest) override;

@@ -37,6 +37,7 @@ class SqliteJobStore : public JobStore {
   void remove_end(uint64_t job, uint32_t frame) override;
   void remove(uint64_t job, const std::vector<Digest>& tile_keys,
               const std::vector<Digest>& blobs) override;
+  uint64_t tile_count(const Digest& key) override { return tiles_.count(key); }
   std::vector<StoredTile> tiles_traced_by(const std::string& key) override {
     return tiles_.traced_by(key);
   }

@@ -53,7 +53,9 @@ Json to_json(const FarmSnapshot::Job& job) {
             {"remaining_seconds", nullptr},
             {"worker_seconds", rounded(job.worker_seconds)},
             {"exit_code", nullptr},
+            {"waits_for", nullptr},
             {"failure", job.failure}};
+  if (!job.waits_for.empty()) json["waits_for"] = job.waits_for;
   if (has_ended(job.state)) json["exit_code"] = job.exit_code;
   if (job.remaining_seconds >= 0) json["remaining_seconds"] = rounded(job.remaining_seconds);
   return json;

@@ -223,6 +223,8 @@ void FarmMonitor::show_tiles(Coordinator& coordinator, Time now) {
     shown->tiles = coordinator.tiles(key.first, key.second, now);
     shown->preview = watched.shown->preview;
     shown->pictured = watched.shown->pictured;
+    // It may have been put aside, or ended too early.
+    if (!shown->tiles.empty()) watched.preview_is_final = false;
     watched.shown = std::move(shown);
     watched.next_tiles = next_after(now, thread_time() - start, kBetweenTiles);
     const std::scoped_lock lock(mutex_);

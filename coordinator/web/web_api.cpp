@@ -380,12 +380,16 @@ void WebApi::ask(FarmMonitor::Question question, const HttpReply& reply) {
 
 void WebApi::order(uint64_t job, const std::string& what, const HttpRequest& request,
                    const HttpReply& reply) {
-  const auto query = query_of(job, what, request.body);
+  auto query = query_of(job, what, request.body);
   if (!query) {
     return reply([] {
       return http_error(400, "expected {\"priority\": a whole number from -1000 to 1000}");
     });
   }
+  std::unique_lock lock(access_mutex_);
+  const std::string name = parts_.access.name_of(request);
+  lock.unlock();
+  query->set_by(name.empty() ? "whoever uses the page" : name);
   const bool asked =
       parts_.monitor->order(*query, [query = *query, reply](const v1::JobStatus& status) {
         reply([query, status] { return answer_order(query, status); });

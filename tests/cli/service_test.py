@@ -141,7 +141,7 @@ class Told(ServiceTest):
         table = self.ask("status")
         self.assertIn("waiting", table.splitlines()[1])
         self.assertEqual("0 workers: jobs wait for some", table.splitlines()[-1])
-        self.assertIn("waits for workers", self.ask("status", job))
+        self.assertRegex(self.ask("status", job), "waits for +workers")
         self.assertEqual(("running", "workers"),
                          tuple(self.status(job)[key] for key in ("state", "waits_for")))
         worker = self.worker()

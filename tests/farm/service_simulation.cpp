@@ -15,6 +15,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Time kServicePatience = seconds(3600);
+constexpr char kLarge[] = "a scene that takes much memory";
 
 Digest digest_of(const Film& film) { return Digest::of(std::as_bytes(film.values())); }
 
@@ -36,6 +37,12 @@ ServiceSimulation::ServiceSimulation(uint64_t seed)
     faults_.orphan_timeout = seconds(3) + draw_time(seconds(5));
     faults_.result_bytes = 1 + draw(8) * 1024;
   }
+  // Few jobs meet limits only where these are small.
+  options_.begin.jobs = 1 + draw(3);
+  options_.begin.urgent_jobs = options_.begin.jobs + draw(3);
+  options_.scenes_of_worker = 1 + draw(3);
+  const auto film = static_cast<uint64_t>(job_.crop.area()) * kFilmChannels * sizeof(float);
+  options_.begin.film_bytes = film * (1 + draw(4));
   coordinator_ = std::make_unique<Coordinator>(options_, store_);
 }
 
@@ -51,6 +58,7 @@ void ServiceSimulation::with_coordinator(const std::function<void(Coordinator&)>
   } catch (const Killed&) {
     restart();
   }
+  if (flaw_.empty()) flaw_ = coordinator_->broken_rule(now_);
 }
 
 void ServiceSimulation::restart() {
@@ -109,9 +117,12 @@ void ServiceSimulation::come(int number) {
   client.request.set_priority(static_cast<int32_t>(draw(3)));
   client.request.set_weight(1 + static_cast<uint32_t>(draw(3)));
   const int frames = draw() < 0.6 ? 1 : 2 + static_cast<int>(draw(2));
+  const int large_frame = draw() < 0.2 ? static_cast<int>(draw(static_cast<uint64_t>(frames))) : -1;
   for (int frame = 0; frame < frames; ++frame) {
     JobSpec spec = job_;
     spec.frame.set_seed(static_cast<uint32_t>(100 * number + frame));
+    // Some scenes no worker can build for a while.
+    if (frame == large_frame) spec.scene.mutable_metadata()->set_title(kLarge);
     v1::JobFrame& added = *client.request.add_frames();
     const std::string scene = serialize_scene(spec.scene);
     const auto bytes = std::as_bytes(std::span(scene));
@@ -140,6 +151,7 @@ void ServiceSimulation::ask(const PeerId& peer, Client& client) {
     // Its number may be another's once a copy of the store was restored.
     message.mutable_job_query()->set_submission(client.request.submission());
     message.mutable_job_query()->set_action(client.wants);
+    if (client.priority) message.mutable_job_query()->set_priority(*client.priority);
   }
   carry(message, peer + ">0", [this, peer](const v1::Envelope& arrived) {
     to_coordinator(Channel::control, peer, arrived);
@@ -181,6 +193,12 @@ void ServiceSimulation::on_status(Client& client, const v1::JobStatus& status) {
   if (resumed) client.wants = v1::JobQuery::ASK;
 }
 
+std::optional<std::string> ServiceSimulation::cannot_build(const v1::Scene& scene) {
+  // Of a frame that does not fit, the rest of the job and other jobs go on.
+  if (quiet_ || scene.metadata().title() != kLarge) return std::nullopt;
+  return "there is not enough memory for the scene";
+}
+
 void ServiceSimulation::give_order() {
   if (clients_.empty()) return;
   auto it = clients_.begin();
@@ -191,6 +209,8 @@ void ServiceSimulation::give_order() {
   client.wants = what < 0.5    ? v1::JobQuery::PAUSE
                  : what < 0.85 ? v1::JobQuery::RESUME
                                : v1::JobQuery::CANCEL;
+  client.priority.reset();
+  if (draw() < 0.3) client.priority = static_cast<int32_t>(draw(4));
   say(fmt::format("{}: order {}", it->first, static_cast<int>(client.wants)));
   ask(it->first, client);
 }

@@ -84,12 +84,14 @@ class ServiceSimulation : public Simulation {
     std::vector<Digest> films;  ///< of each frame, as it must be
     uint64_t job = 0;           ///< once it is accepted
     v1::JobQuery::Action wants = v1::JobQuery::ASK;
+    std::optional<int32_t> priority{};  ///< that it orders
     bool ended = false;
     Time next_question{};
   };
 
   void with_coordinator(const std::function<void(Coordinator&)>& act) override;
   void note_sent(const OutgoingMessage& message) override;
+  std::optional<std::string> cannot_build(const v1::Scene& scene) override;
   bool tell_client(const PeerId& peer, Channel channel, const v1::Envelope& message) override;
   Time next_client_time() const override;
   void tick_clients() override;

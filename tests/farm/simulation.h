@@ -67,6 +67,8 @@ class Simulation {
   virtual void with_coordinator(const std::function<void(Coordinator&)>& act) {
     act(*coordinator_);
   }
+  /// Why no worker has the memory for the scene now, if that is so.
+  virtual std::optional<std::string> cannot_build(const v1::Scene&) { return std::nullopt; }
   /// Sees what the coordinator sends.
   virtual void note_sent(const OutgoingMessage&) {}
   /// True if that peer is a client of it, which has then heard the message.

@@ -257,9 +257,8 @@ async function showFrame(mine) {
 }
 
 function waitingFor(job, tiles) {
+  if (job.waits_for) return `waiting for ${job.waits_for}`;
   if (job.state === "queued") return "waiting for its turn";
-  if (job.state === "paused") return "paused";
-  if (job.state === "held") return `held: ${job.failure}`;
   if (job.state !== "running") return "there is no picture";
   return tiles.tiles.length && !farm.workers.some((w) => w.state !== "lost") ? "waiting for workers" : "";
 }
@@ -278,8 +277,9 @@ function showJob(job, frame) {
   const spans = [`${job.tiles_done.toLocaleString("en")} of ${counted(job.tiles_total, "tile")}${kept}`,
     [job.elapsed_seconds ? duration(job.elapsed_seconds) : "", left].filter(Boolean).join(" · ")];
   byId("progress-text").replaceChildren(...spans.map((text) => make("span", text)));
-  byId("failure").hidden = !job.failure;
-  byId("failure").textContent = job.failure;
+  const trouble = ended || (job.failure && !job.waits_for) ? job.failure : job.waits_for ? `waits for ${job.waits_for}` : "";
+  byId("failure").hidden = !trouble;
+  byId("failure").textContent = trouble;
   byId("pause").textContent = job.state === "paused" ? "Resume" : "Pause";
   for (const id of ["pause", "cancel", "raise", "lower"]) byId(id).disabled = ended;
   byId("priority").textContent = `priority ${job.priority}`;

@@ -22,17 +22,16 @@ JobResult end_of_job(const v1::JobEnd& end) {
 }
 
 TEST(JobProgress, SaysWhatIsWaitedFor) {
-  const auto waiting_for = [](v1::JobStatus::State state, uint32_t workers) {
+  const auto waiting_for = [](v1::JobStatus::State state, const std::string& told) {
     v1::JobStatus status;
     status.set_state(state);
-    status.set_workers(workers);
+    status.set_waits_for(told);
     return progress_of(status).waiting_for;
   };
-  EXPECT_EQ(waiting_for(v1::JobStatus::QUEUED, 0), "workers");
-  EXPECT_EQ(waiting_for(v1::JobStatus::QUEUED, 1), "the jobs before this one");
-  EXPECT_EQ(waiting_for(v1::JobStatus::RUNNING, 0), "workers");
-  EXPECT_EQ(waiting_for(v1::JobStatus::RUNNING, 1), "");
-  EXPECT_EQ(waiting_for(v1::JobStatus::PAUSED, 1), "somebody to resume it");
+  EXPECT_EQ(waiting_for(v1::JobStatus::FETCHING, ""), "the scene to be sent");
+  EXPECT_EQ(waiting_for(v1::JobStatus::QUEUED, "workers"), "workers");
+  EXPECT_EQ(waiting_for(v1::JobStatus::RUNNING, ""), "");
+  EXPECT_EQ(waiting_for(v1::JobStatus::PAUSED, "\x1b[31m"), "\\x1b[31m");
 }
 
 TEST(JobClient, ARefusedJobHasNoTiles) {

@@ -94,6 +94,39 @@ TEST_F(Held, AWorkerThatFailedOneSceneBuildsTheNext) {
   EXPECT_EQ(ask(large).state(), v1::JobStatus::HELD);
 }
 
+TEST_F(Held, AFrameThatDoesNotFitWaitsByItself) {
+  const uint64_t id = submit(1, 0, 32, 1, 4);
+  v1::Envelope message = hello(1);
+  message.mutable_hello()->set_credit(8);
+  message.mutable_hello()->set_threads(8);
+  say("w1", message);
+  size_t next = 0, traced = 0;
+  const auto go_on = [&](const PeerId& peer, bool fits) {
+    for (; next < heard(v1::Envelope::kJobStart).size(); ++next) {
+      const uint64_t frame = heard(v1::Envelope::kJobStart)[next].job_start().job();
+      if (fits || frame != first_frame_of(id) + 1) {
+        ready(peer, frame);
+        for (; traced < assigned().size(); ++traced) say(peer, band(assigned()[traced], 1));
+        continue;
+      }
+      v1::Envelope failed;
+      failed.mutable_scene_failed()->set_session(1);
+      failed.mutable_scene_failed()->set_job(frame);
+      failed.mutable_scene_failed()->set_cause(v1::SceneFailed::OUT_OF_RESOURCES);
+      failed.mutable_scene_failed()->set_text("there is not enough memory for the scene");
+      say(peer, failed);
+    }
+  };
+  go_on("w1", false);
+  EXPECT_EQ(ask(id).frames_done(), 3u);
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::HELD);
+  EXPECT_THAT(ask(id).failure(), ::testing::StartsWith("frame 2: there is not enough memory"));
+  EXPECT_THAT(ask(id).waits_for(), ::testing::HasSubstr("a worker that can"));
+  say("w2", hello(2));
+  go_on("w2", true);
+  EXPECT_EQ(ask(id).how(), v1::JobEnd::DONE);
+}
+
 TEST_F(Held, AJobWhoseSceneCannotBeReadNowWaits) {
   const uint64_t first = submit(1);
   restart();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,13 @@ class ServiceTest : public CoordinatorTest {
     restart();
   }
   void restart() {
+    limit([](CoordinatorOptions&) {});
+  }
+  /// Starts the coordinator anew with options that `adjust` changes.
+  void limit(const std::function<void(CoordinatorOptions&)>& adjust) {
     CoordinatorOptions options;
     options.opening = opening_of(++openings);
+    adjust(options);
     coordinator = Coordinator(options, store);
     all.clear();
     to.clear();

@@ -268,6 +268,70 @@ TEST_F(ServiceTest, APausedJobGetsNoTileAndTakesThoseThatAreOut) {
   EXPECT_EQ(assigned().size(), 2u);
 }
 
+TEST_F(ServiceTest, APausedJobGivesItsMemoryBackOnceItsTilesAreIn) {
+  limit([](CoordinatorOptions& options) { options.begin.film_bytes = 32 * 32 * 12; });
+  const uint64_t one = submit(1), two = submit(2);
+  come(1, 1);
+  EXPECT_EQ(
+      ask(two).waits_for(),
+      "memory: its picture takes 12288 bytes, those of jobs that were begun, as job 1, 12288 of "
+      "12288");
+  v1::JobQuery pause;
+  pause.set_job(one);
+  pause.set_action(v1::JobQuery::PAUSE);
+  pause.set_by("alice");
+  coordinator.ask(pause, {});
+  EXPECT_EQ(ask(one).waits_for(), "somebody to resume it: it was paused by alice");
+  EXPECT_EQ(ask(two).state(), v1::JobStatus::RUNNING);
+  EXPECT_FALSE(heard(v1::Envelope::kCancelJob).empty()) << "workers forget its scene";
+  EXPECT_EQ(coordinator.running_frames().size(), 1u);
+  get_ready("w1");
+  for (size_t i = 1; i < 5; ++i) say("w1", band(assigned().at(i), 1));
+  EXPECT_EQ(ask(two).how(), v1::JobEnd::DONE);
+  restart();
+  EXPECT_EQ(ask(one).waits_for(), "somebody to resume it: it was paused by alice");
+  ask(one, v1::JobQuery::RESUME);
+  coordinator.on_tick({});
+  come(1, 4);
+  for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1));
+  EXPECT_EQ(ask(one).how(), v1::JobEnd::DONE);
+}
+
+TEST_F(ServiceTest, APausedJobIsShownFromTheStore) {
+  const uint64_t id = submit(1);
+  come(1, 1);
+  say("w1", band(assigned().at(0), 0.25f));
+  ask(id, v1::JobQuery::PAUSE);
+  say("w1", band(assigned().at(1), 0.25f));
+  EXPECT_TRUE(coordinator.running_frames().empty());
+  const auto preview = coordinator.preview(id, 0, 8);
+  ASSERT_TRUE(preview);
+  EXPECT_EQ(preview->tiles_done, 2u);
+  EXPECT_EQ(preview->rgb[0], 137);
+}
+
+TEST_F(ServiceTest, AMoreUrgentJobGetsTheNextTileWhateverTheLimits) {
+  limit([](CoordinatorOptions& options) {
+    options.begin.jobs = 2;
+    options.begin.urgent_jobs = 3;
+    options.scenes_of_worker = 1;
+  });
+  std::vector<uint64_t> jobs;
+  for (uint32_t i = 1; i <= 4; ++i) jobs.push_back(submit(i, static_cast<int>(i), 64));
+  EXPECT_EQ(ask(jobs[0]).state(), v1::JobStatus::QUEUED) << "it made room for the last";
+  EXPECT_EQ(ask(jobs[0]).waits_for(), "workers");
+  come(1, 1);
+  const uint64_t urgent = submit(9, 10);
+  EXPECT_EQ(ask(urgent).state(), v1::JobStatus::RUNNING);
+  EXPECT_EQ(ask(jobs[0]).waits_for(), "job 3, which was begun before");
+  const size_t before = assigned().size();
+  say("w1", band(assigned().back(), 1));
+  ready("w1", first_frame_of(urgent));
+  ASSERT_GT(assigned().size(), before);
+  EXPECT_EQ(job_of(assigned().at(before)), urgent);
+  EXPECT_EQ(ask(jobs[2]).waits_for(), fmt::format("job {}, which is more urgent", urgent));
+}
+
 TEST_F(ServiceTest, ACancelledJobIsTakenFromItsWorkersAtOnce) {
   const uint64_t id = submit(1);
   come(1, 2);

@@ -1,0 +1,132 @@
+// How far a job is, how long it was worked on and how long it will take.
+#include <random>
+
+#include "tests/unit/coordinator/service_fixture.h"
+
+namespace tessera::testing {
+namespace {
+
+class Progress : public ServiceTest {
+ protected:
+  v1::JobStatus look(uint64_t id) { return ask(id, v1::JobQuery::ASK, now); }
+  /// Sends the pixels of assignments that were not answered yet, one every `pace`.
+  void trace(size_t count, Time pace) {
+    for (size_t i = 0; i < count && traced < assigned().size(); ++i) {
+      now += pace;
+      say("w1", band(assigned()[traced++], 1), now);
+      get_ready_in(session);
+    }
+  }
+  void start_anew() {
+    restart();
+    traced = 0;
+    coordinator.on_tick(now);
+  }
+  void come_now() {
+    v1::Envelope message = hello(1, ++session);
+    message.mutable_hello()->set_credit(1);
+    message.mutable_hello()->set_threads(1);
+    say("w1", message, now);
+    get_ready_in(session);
+  }
+  void get_ready_in(uint64_t of_session) {
+    for (size_t told = 0; told < heard(v1::Envelope::kJobStart).size(); ++told) {
+      v1::Envelope message;
+      message.mutable_scene_ready()->set_session(of_session);
+      message.mutable_scene_ready()->set_job(
+          heard(v1::Envelope::kJobStart)[told].job_start().job());
+      say("w1", message, now);
+    }
+  }
+  Time now = seconds(100);
+  size_t traced = 0;
+  uint64_t session = 0;
+};
+
+TEST_F(Progress, TimeWithoutAWorkerIsNoPartOfIt) {
+  const uint64_t id = submit(1, 0, 160, 1, 1, now);
+  now += seconds(1000);
+  coordinator.on_tick(now);
+  EXPECT_EQ(look(id).elapsed_seconds(), 0);
+  EXPECT_LT(look(id).remaining_seconds(), 0);
+  come_now();
+  trace(50, seconds(1));
+  EXPECT_EQ(look(id).elapsed_seconds(), 50);
+  EXPECT_NEAR(look(id).remaining_seconds(), 50, 2);
+  EXPECT_NEAR(coordinator.snapshot(now).jobs.at(0).remaining_seconds, 50, 2) << "the page";
+}
+
+TEST_F(Progress, WhileItIsPausedNothingIsToldAndAfterwardsTheSame) {
+  const uint64_t id = submit(1, 0, 160, 1, 1, now);
+  come_now();
+  trace(50, seconds(1));
+  ask(id, v1::JobQuery::PAUSE, now);
+  trace(1, seconds(1));
+  EXPECT_LT(look(id).remaining_seconds(), 0);
+  now += seconds(5000);
+  coordinator.on_tick(now);
+  EXPECT_LT(look(id).remaining_seconds(), 0);
+  EXPECT_EQ(look(id).elapsed_seconds(), 51);
+  ask(id, v1::JobQuery::RESUME, now);
+  coordinator.on_tick(now);
+  come_now();
+  trace(1, seconds(1));
+  EXPECT_NEAR(look(id).remaining_seconds(), 48, 2);
+}
+
+TEST_F(Progress, WhatIsStoredCountsBeforeTheJobIsBegun) {
+  const uint64_t id = submit(1, 0, 160, 1, 2, now);
+  come_now();
+  trace(62, seconds(1));
+  ask(id, v1::JobQuery::PAUSE, now);
+  restart();
+  EXPECT_EQ(look(id).tiles_done(), 62u);
+  EXPECT_EQ(look(id).tiles_total(), 200u);
+  EXPECT_EQ(look(id).tiles_restored(), 62u);
+  EXPECT_EQ(look(id).elapsed_seconds(), 62);
+  EXPECT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, 62u);
+}
+
+TEST_F(Progress, TurnsOfEqualJobsCountForBoth) {
+  const uint64_t one = submit(1, 0, 160, 1, 1, now), two = submit(2, 0, 160, 1, 1, now);
+  come_now();
+  trace(100, seconds(1));
+  EXPECT_NEAR(look(one).remaining_seconds(), 100, 15);
+  EXPECT_NEAR(look(two).remaining_seconds(), 100, 15);
+}
+
+TEST_F(Progress, TheTilesThatAreDoneNeverFallBelowThoseThatAreStored) {
+  std::mt19937 random(5);
+  const uint64_t id = submit(1, 0, 160, 1, 2, now);
+  uint64_t before = 0;
+  for (int step = 0; step < 400; ++step) {
+    const v1::JobStatus::State state = look(id).state();
+    switch (random() % 6) {
+      case 0:
+        ask(id, v1::JobQuery::PAUSE, now);
+        break;
+      case 1:
+        ask(id, v1::JobQuery::RESUME, now);
+        break;
+      case 2:
+        if (random() % 4 == 0) start_anew();
+        break;
+      case 3:
+        now += seconds(random() % 1000);
+        coordinator.on_tick(now);
+        break;
+      default:
+        if (state != v1::JobStatus::PAUSED) come_now();
+        trace(random() % 8, milliseconds(100));
+    }
+    const v1::JobStatus status = look(id);
+    ASSERT_GE(status.tiles_done(), before) << step;
+    ASSERT_GE(status.tiles_done(), store->tile_count()) << step;
+    ASSERT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, status.tiles_done());
+    before = status.tiles_done();
+  }
+  EXPECT_GT(before, 50u);
+}
+
+}  // namespace
+}  // namespace tessera::testing
