@@ -149,8 +149,7 @@ TEST_F(X3dFilesTest, OfAFileThatIsWrongNothingIsLeft) {
   EXPECT_NE(loaded.warnings[0].find("outer.x3dv:2:1: Inline of 'broken.x3dv' is left out: "),
             std::string::npos)
       << loaded.warnings[0];
-  EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:36: '}'; expected '{'"),
-            std::string::npos)
+  EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:36: '}'; expected '{'"), std::string::npos)
       << loaded.warnings[0];
 }
 
