@@ -443,7 +443,7 @@ void WorkerService::on_tick(Time now) {
     note_stuck(*worker);
     lose(*worker, LossCause::vanished, "no word from it for too long", now);
   }
-  if (!silence.lost.empty()) look_for_shortages();
+  look_for_shortages();
   for (ActiveFrame* job : jobs_.running()) {
     const SchedulerEvents events = job->scheduler().expire(now);
     for (const WorkerId id : events.blamed) {

@@ -105,7 +105,7 @@ class JobTable {
   const std::vector<ActiveFrame*>& by_need();
   const std::vector<ActiveFrame*>& running() const { return running_; }
   struct Changes {
-    /// Nothing was put aside or begun, so that nothing more follows from it.
+    /// Nothing ended or was begun, so that nothing more follows from it.
     bool settled = true;
     std::vector<uint64_t> ended;  ///< frames, by the number that workers know
     std::vector<ActiveFrame*> begun;

@@ -190,7 +190,7 @@ JobTable::Changes JobTable::advance(Time now) {
     put_aside(*open_.at(aside.job), aside.frame, changes);
   }
   for (const FrameOfJob& next : plan.begin) begin(*open_.at(next.job), next.frame, now, changes);
-  changes.settled = plan.put_aside.empty() && plan.begin.empty();
+  changes.settled = changes.ended.empty() && plan.begin.empty();
   return changes;
 }
 

@@ -185,9 +185,16 @@ void ServiceSimulation::on_status(Client& client, const v1::JobStatus& status) {
     return;
   }
   if (status.state() == v1::JobStatus::UNKNOWN) flaw_ = "an accepted job is unknown";
+  // The refusal of an earlier copy of the submission may come after the word that it was accepted.
+  if (status.job() == 0) return;
   client.ended |= status.state() == v1::JobStatus::ENDED;
   const bool paused = status.state() == v1::JobStatus::PAUSED;
   if (client.wants == v1::JobQuery::PAUSE && paused) client.wants = v1::JobQuery::ASK;
+  // Workers that could not build a scene are not tried again of themselves.
+  if (quiet_ && client.wants != v1::JobQuery::CANCEL) {
+    const bool held = !paused && !status.failure().empty();
+    client.wants = held ? v1::JobQuery::RETRY : v1::JobQuery::RESUME;
+  }
   // In the end it insists: an order of before may have been on its way for long.
   const bool resumed = client.wants == v1::JobQuery::RESUME && !paused && !quiet_;
   if (resumed) client.wants = v1::JobQuery::ASK;

@@ -135,6 +135,7 @@ TEST_F(ClientTest, WhoLooksKeepsNoJobAlive) {
   v1::Envelope query;
   query.mutable_job_query()->set_submission(42);
   const auto runs_at = [&](Time now) {
+    for (Time next; (next = coordinator.next_deadline()) < now;) coordinator.on_tick(next);
     coordinator.on_tick(now);
     v1::JobQuery by_number;
     by_number.set_job(jobs.jobs(0).job());
