@@ -116,9 +116,9 @@ class Coordinator {
  private:
   void on_blob_request(const PeerId& peer, const v1::BlobRequest& request);
   void on_done_tiles_query(const PeerId& peer, const v1::DoneTilesQuery& query);
-  /// Begins and ends what is to, and tells whom it concerns.
   /// Tells the jobs how many workers there are.
   void note_workers() const;
+  /// Begins and ends what is to, and tells whom it concerns.
   void settle(Time now);
   void collect_outgoing();
   void tell_trouble();

@@ -15,8 +15,7 @@ namespace tessera {
 //
 // - The films of begun frames take no more than the budget together.
 // - A paused job holds no budget once the tiles that workers had of it are in, nor before that
-// where
-//   another job needs it.
+//   where another job needs it.
 // - No job waits to be begun that fits, or that would fit once less urgent frames are put aside.
 
 /// How many jobs have their scenes and films in memory.
