@@ -102,7 +102,7 @@ ExitCode show_status(const JobOptions& options) {
   query.set_job(find_job(connection.client, options.job, say_error));
   const v1::JobStatus status = connection.client.ask(query);
   if (options.as_json) {
-    say("{}\n", status_json(status, status.workers()).dump(2));
+    say("{}\n", status_json(status).dump(2));
   } else {
     print_job(status);
   }

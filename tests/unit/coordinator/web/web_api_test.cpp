@@ -136,7 +136,9 @@ TEST_F(WebApiTest, TakesOrders) {
   const std::string of_job = "/api/v1/jobs/" + std::to_string(id);
   EXPECT_EQ(Json::parse(*post(of_job + "/pause").body)["state"], "paused");
   EXPECT_EQ(json(of_job)["state"], "paused");
-  EXPECT_EQ(Json::parse(*post(of_job + "/resume").body)["state"], "running");
+  EXPECT_EQ(Json::parse(*post(of_job + "/resume").body)["state"], "queued");
+  look(monotonic_now());
+  EXPECT_EQ(json(of_job)["state"], "running");
   EXPECT_EQ(Json::parse(*post(of_job + "/priority", "{\"priority\": -3}").body)["priority"], -3);
   for (const char* wrong : {"", "{}", "3", "{\"priority\": 1.5}", "{\"priority\": 3000000000}",
                             "{\"priority\": 18446744073709551615}", "{\"priority\": -2147483649}",
