@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "python/interruptible.h"
 #include "renderer/film/tile.h"
 #include "renderer/math/encodings.h"
+#include "renderer/shapes/mesh_boundary.h"
 
 namespace py = pybind11;
 
@@ -355,11 +357,48 @@ Array array_of_blob(BlobData blob, ElementType type, Array::Shape shape) {
   return {std::move(blob), data, type, std::move(shape)};
 }
 
+/// The geometry of a Mesh's arrays `positions` (v, 3) and `triangles` (t, 3).
+static TriangleMesh mesh_of(const Array& positions, const Array& triangles) {
+  TriangleMesh mesh;
+  mesh.positions.resize(positions.bytes().size() / sizeof(Float3));
+  mesh.triangles.resize(triangles.bytes().size() / sizeof(TriangleIndices));
+  std::memcpy(mesh.positions.data(), positions.data(), positions.bytes().size());
+  std::memcpy(mesh.triangles.data(), triangles.data(), triangles.bytes().size());
+  return mesh;
+}
+
+static Array open_edges_of(const Array& positions, const Array& triangles) {
+  const std::vector<OpenEdge> edges =
+      run_abandonably([mesh = mesh_of(positions, triangles)](const std::atomic<bool>&) {
+        return open_edges(mesh);
+      });
+  std::vector<uint32_t> rows;
+  for (const OpenEdge& edge : edges) rows.insert(rows.end(), {edge.from, edge.to});
+  return {std::move(rows), {static_cast<py::ssize_t>(edges.size()), 2}};
+}
+
+static Array merged_positions(const Array& positions, double distance) {
+  std::vector<float> merged =
+      run_abandonably([given = mesh_of(positions, Array(std::vector<uint32_t>(), {0, 3})),
+                       distance](const std::atomic<bool>&) {
+        TriangleMesh mesh = given;
+        merge_vertices(mesh, distance);
+        std::vector<float> numbers(3 * mesh.positions.size());
+        std::memcpy(numbers.data(), mesh.positions.data(), numbers.size() * sizeof(float));
+        return numbers;
+      });
+  return {std::move(merged), positions.shape()};
+}
+
 void bind_mesh_arrays(py::module_& module) {
   py::list fields;
   for (const auto& [field, layout] : blob_layouts()) fields.append(field);
   module.attr("array_fields") = py::tuple(fields);
   module.def("refuse_masked", &refuse_masked);
+  module.def("open_edges", &open_edges_of, py::arg("positions"), py::arg("triangles"),
+             "As Mesh.open_edges().");
+  module.def("merged_positions", &merged_positions, py::arg("positions"), py::arg("distance"),
+             "Those of Mesh.merge_vertices().");
   module.def("take_array", &take_blob_array, py::arg("given"), py::arg("field"),
              py::arg("copy") = py::none(), py::arg("rows") = -1,
              "The array of a mesh or texture as the renderer wants it.");

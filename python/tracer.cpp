@@ -283,14 +283,23 @@ void bind_queries(py::class_<RayQueries>& tracer) {
           })
       .def("contains",
            [](const RayQueries& queries, const py::object& points, std::optional<uint32_t> instance,
-              int threads, const py::object& out) {
+              bool by_winding, int threads, const py::object& out) {
+             const auto open =
+                 by_winding ? RayQueries::OpenInside::by_winding : RayQueries::OpenInside::nothing;
              const VectorArray at("points", points);
              const PlainArray<uint8_t> result("out", out, at.count());
              trace(at.count(), threads, [&](const QueryControl& control) {
-               queries.contains(at.count(), at.rows(), instance, result.data(), control);
+               queries.contains(at.count(), at.rows(), instance, open, result.data(), control);
              });
            })
-      .def("open_meshes", &RayQueries::open_meshes, py::call_guard<GilRelease>())
+      .def("open_meshes",
+           [](const RayQueries& queries) {
+             std::vector<std::tuple<uint32_t, size_t, uint32_t, uint32_t>> found;
+             const GilRelease release;
+             for (const RayQueries::OpenMesh& mesh : queries.open_meshes())
+               found.emplace_back(mesh.instance, mesh.edges, mesh.from, mesh.to);
+             return found;
+           })
       .def("attributes",
            [](const RayQueries& queries, const py::object& o, const py::object& d,
               const py::tuple& hits, int threads, const py::dict& out) {

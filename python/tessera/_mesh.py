@@ -1,17 +1,18 @@
 """Triangle meshes from arrays."""
 from __future__ import annotations
 
+import math
 import warnings
 from typing import (TYPE_CHECKING, Any, Generic, Iterable, Mapping, NoReturn, Optional, TypeVar, Union,
                     overload)
 
 from . import _core, _messages
 from ._array import as_ndarray
-from ._options import boolean
+from ._options import boolean, number
 from ._transforms import Transform
 from ._types import ArrayLike
 from ._value import here, level_of_caller, with_article
-from .errors import PrecisionWarning
+from .errors import PrecisionWarning, UsageError
 
 if TYPE_CHECKING:
     from ._types import Floats, Numbers
@@ -132,6 +133,40 @@ class Mesh(_messages.Mesh):
                              ("colors", colors), ("tangents", tangents),
                              ("face_materials", face_materials)):
             Mesh.__dict__[field].put(self, given, copy)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether there is a triangle, and each edge lies between two that wind the same way. Vertices at
+        one place count as one."""
+        return bool(self._held("triangles")) and not self.open_edges().shape[0]
+
+    def open_edges(self) -> Numbers:
+        """The edges at which the mesh is open, as they lack a triangle on one side, or one of the two is
+        the wrong way round: rows of `positions` in the direction in which triangles pass them, (n, 2)
+        uint32. An edge comes as often as it lacks one."""
+        positions, triangles = self._held("positions"), self._held("triangles")
+        if positions is None or triangles is None:
+            positions, triangles = _core.take_array([], "positions"), _core.take_array([], "triangles")
+        edges: Numbers = as_ndarray(_core.open_edges(positions, triangles))
+        return edges
+
+    def merge_vertices(self, distance: float) -> Mesh:
+        """A copy in which each vertex lies at the first within that distance in metres, > 0, that stays
+        itself, so that they count as one: slits close. Rows stay what they are, with their normals, uvs
+        and colors; the renderer leaves out triangles of which corners coincide."""
+        distance = number("distance", distance)
+        if not 0 < distance < math.inf:
+            raise UsageError(f"distance: {distance}; expected a length in metres, above 0")
+        merged = self.__copy__()
+        positions = self._held("positions")
+        if positions is not None:
+            Mesh.__dict__["positions"].put(merged, _core.merged_positions(positions, distance), None)
+        return merged
+
+    def _held(self, field: str) -> Optional[_core.Array]:
+        """The array of that field as the renderer has it."""
+        held: Optional[_core.Array] = _messages.Mesh.__dict__[field].__get__(self)
+        return held
 
     @property
     def material(self) -> Optional[Union[str, _messages.Material]]:

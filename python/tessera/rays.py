@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import operator
 import warnings
-from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, SupportsIndex, Tuple,
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Sequence, SupportsIndex, Tuple,
                     Union)
 
 from . import _core
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["AllHits", "Hits", "Tracer", "tracer_from_scene"]
 
 _CULLS = ("none", "back", "front")
+_METHODS = ("parity", "winding")
 _FIELDS: Tuple[HitField, ...] = ("t", "instance", "primitive", "uv")
 _SOME_FIELDS = f"some of {', '.join(_FIELDS)}"
 
@@ -148,7 +149,7 @@ class Tracer:
     def __init__(self, core: _core.Tracer, options: Options) -> None:
         self._core, self._options = core, options
         self._names: Optional[List[str]] = None
-        self._open: Optional[List[int]] = None  # meshes
+        self._open: Optional[List[Tuple[int, int, int, int]]] = None  # meshes, see _core
 
     @classmethod
     def _of(cls, scene: Union[Scene, str, bytes], options: Options, assets: str = "") -> Tracer:
@@ -228,27 +229,46 @@ class Tracer:
 
     @tells_unknown
     def contains(self, points: ArrayLike, shape: Union[None, int, str] = None, *,
+                 method: Literal["parity", "winding"] = "parity",
+                 closed: Literal["warn", "error"] = "warn",
                  threads: Optional[int] = None) -> Bools:
         """Whether each of the points, (..., 3) in metres on the axes of the world, is inside some solid
         or closed mesh; with `shape` inside the instances of that name or number. bool (...); False for
-        a point whose numbers are not all finite. A mesh that is not closed has no inside: SceneWarning
-        tells of it, UsageError where `shape` means it."""
+        a point whose numbers are not all finite.
+
+        :param method: of meshes that are not closed. "parity": they have no inside. "winding": what they
+            go around at least half is inside, by the generalised winding number (Jacobson 2013); of
+            closed meshes and solids both say the same.
+        :param closed: what "parity" does with meshes that are not closed: SceneWarning tells of the
+            first, or UsageError refuses it, as always where `shape` means it."""
         import numpy as np
-        if shape is None and self._open is None:
-            self._open = self._core.open_meshes()
-            if self._open:
-                name = self._instance_names()[self._open[0]]
-                more = f" and {len(self._open) - 1} more" if len(self._open) > 1 else ""
-                warnings.warn(f"contains: the mesh '{name}'{more}: not closed, so that nothing is inside; "
-                              "expected each edge between two triangles", SceneWarning,
-                              stacklevel=level_of_caller())
+        by_winding = _choice("method", method, _METHODS) == "winding"
+        refuses = _choice("closed", closed, ("warn", "error")) == "error"
+        if not by_winding and shape is None:
+            self._tell_open(refuses)
         at = _vectors("points", points)
         inside = np.zeros(at.shape[:-1], bool)
         for number in self._numbers(shape):
             one = np.empty(at.shape[:-1], bool)
-            self._core.contains(at.reshape(-1, 3), number, self._threads(threads), one)
+            self._core.contains(at.reshape(-1, 3), number, by_winding, self._threads(threads), one)
             inside |= one
         return frozen(inside)
+
+    def _tell_open(self, refuses: bool) -> None:
+        """Tells of meshes that are not closed: once, or by UsageError."""
+        is_new = self._open is None
+        if self._open is None:
+            self._open = self._core.open_meshes()
+        if not self._open or not (is_new or refuses):
+            return
+        number, count, begin, end = self._open[0]
+        more = f", nor are {len(self._open) - 1} more" if len(self._open) > 1 else ""
+        where = f"at {count} edge{'s' * (count > 1)}, as that between vertices {begin} and {end}" if count else ""
+        text = (f"the mesh '{self._instance_names()[number]}' is not closed {where}{more}, so that nothing is "
+                "inside; expected each edge between two triangles that wind the same way, or method='winding'")
+        if refuses:
+            raise UsageError(f"contains: {text}")
+        warnings.warn(f"contains: {text}", SceneWarning, stacklevel=level_of_caller())
 
     def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
         if shape is None:

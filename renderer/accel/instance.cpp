@@ -6,6 +6,7 @@
 #include "base/uninitialized.h"
 #include "renderer/accel/mesh_shape.h"
 #include "renderer/accel/ray_batch.h"
+#include "renderer/shapes/mesh_boundary.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
@@ -129,6 +130,14 @@ bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hi
   const Ray local = to_object(instance, ray, Cull::none);
   const auto* solid = dynamic_cast<const Solid*>(instance.shape.get());
   return solid ? solid->holds_start(local) : instance.shape->crossing_number(local, hits) != 0;
+}
+
+double winding_number_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
+                         std::span<const Hit> hits) {
+  const Ray local = to_object(instance, ray, Cull::none);
+  const double number =
+      boundary.winding_number(local, instance.shape->crossing_number(local, hits));
+  return instance.flip_normals ? -number : number;
 }
 
 Bounds3 bounds_of(const Instance& instance) {

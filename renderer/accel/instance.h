@@ -13,6 +13,8 @@
 
 namespace tessera {
 
+class MeshBoundary;
+
 /// A shape at a place in the world. Many instances may share one shape. The front of a surface is
 /// what its shape calls so, under mirroring transforms too.
 struct Instance {
@@ -88,6 +90,10 @@ int crossing_number_of(const Instance& instance, const Ray& ray, std::span<const
 /// Whether a world-space ray starts inside the instance's shape, of which `hits` are all hits.
 /// Only what is_closed() has an inside.
 bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits);
+/// The winding number of an open mesh about where a world-space ray starts, positive where the
+/// instance's normals lead outward. `hits`: all of the ray with the instance.
+double winding_number_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
+                         std::span<const Hit> hits);
 /// Whether the shape has an inside: a solid of which nothing is left out, or a closed mesh. Takes a
 /// sort of a mesh's edges.
 bool is_closed(const Shape& shape);

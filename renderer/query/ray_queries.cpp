@@ -12,15 +12,21 @@
 #include "renderer/query/each_ray.h"
 #include "renderer/query/geometry_only.h"
 #include "renderer/scene/read_camera.h"
+#include "renderer/shapes/mesh_boundary.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
 
 /// Which instances have an inside, found out when it is first asked for.
 struct RayQueries::Insides {
+  struct Inside {
+    bool is_closed = false;
+    std::shared_ptr<const MeshBoundary> boundary;  ///< of an open mesh
+  };
   std::once_flag once;
-  std::vector<bool> has;            ///< by instance
+  std::vector<Inside> of;           ///< by instance
   std::vector<uint32_t> unbounded;  ///< solids without an end, which rays may leave nowhere
+  std::vector<uint32_t> open;       ///< meshes, by whose holes rays may leave
 };
 
 namespace {
@@ -215,53 +221,70 @@ bool RayQueries::crossings(const RayArrays& rays, int32_t* result,
   });
 }
 
-bool RayQueries::has_inside(uint32_t instance) const {
+const RayQueries::Insides& RayQueries::insides() const {
   std::call_once(insides_->once, [this] {
-    std::unordered_map<const Shape*, bool> known;
+    std::unordered_map<const Shape*, Insides::Inside> known;
     for (uint32_t i = 0; i < scene_->instances.size(); ++i) {
       const Shape& shape = *scene_->instances[i].shape;
+      const MeshShape* const mesh = mesh_of(scene_->instances[i]);
       const auto [found, is_new] = known.try_emplace(&shape);
-      if (is_new) found->second = is_closed(shape);
-      insides_->has.push_back(found->second);
-      if (found->second && !is_bounded(shape.bounds())) insides_->unbounded.push_back(i);
+      Insides::Inside& inside = found->second;
+      if (is_new) inside.is_closed = is_closed(shape);
+      if (is_new && mesh && !inside.is_closed)
+        inside.boundary = std::make_shared<const MeshBoundary>(mesh->mesh());
+      insides_->of.push_back(inside);
+      if (inside.is_closed && !is_bounded(shape.bounds())) insides_->unbounded.push_back(i);
+      if (inside.boundary) insides_->open.push_back(i);
     }
   });
-  return insides_->has[instance];
+  return *insides_;
 }
 
-std::vector<uint32_t> RayQueries::open_meshes() const {
-  std::vector<uint32_t> open;
-  for (uint32_t i = 0; i < scene_->instances.size(); ++i)
-    if (mesh_of(scene_->instances[i]) && !has_inside(i)) open.push_back(i);
+std::vector<RayQueries::OpenMesh> RayQueries::open_meshes() const {
+  std::vector<OpenMesh> open;
+  for (const uint32_t i : insides().open) {
+    const std::vector<OpenEdge>& edges = insides().of[i].boundary->edges();
+    open.push_back({i, edges.size()});
+    if (!edges.empty()) open.back().from = edges[0].from, open.back().to = edges[0].to;
+  }
   return open;
 }
 
 bool RayQueries::contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
-                          uint8_t* result, const QueryControl& control) const {
+                          OpenInside open, uint8_t* result, const QueryControl& control) const {
   const std::vector<Instance>& instances = scene_->instances;
-  if (instance && (*instance >= instances.size() || !has_inside(*instance)))
+  const Insides& insides = this->insides();
+  if (instance && *instance >= instances.size())
     throw usage_error(
-        *instance >= instances.size()
-            ? fmt::format("shape: instance {}; expected one below {}", *instance, instances.size())
-            : fmt::format("shape: instance {}, which is open; expected a solid or a "
-                          "closed mesh",
-                          *instance));
-  if (!instances.empty()) has_inside(0);
+        fmt::format("shape: instance {}; expected one below {}", *instance, instances.size()));
+  const auto has_inside = [&](uint32_t number) {
+    const Insides::Inside& inside = insides.of[number];
+    return inside.is_closed || (open == OpenInside::by_winding && inside.boundary);
+  };
+  if (instance && !has_inside(*instance))
+    throw usage_error(fmt::format(
+        "shape: instance {}, which is open; expected a solid or a closed mesh", *instance));
   return for_each_chunk(count, control, [&](size_t begin, size_t end) {
     std::vector<Hit> hits;
     for (size_t i = begin; i < end; ++i) {
       // Along an axis vertices are projected without rounding. Which axis makes no difference.
       const Ray ray{Point3{} + points[i], {0, 0, 1}};
       bool inside = false;
-      const auto look_in = [&](uint32_t number, std::span<const Hit> of) {
-        if (inside || (instance && number != *instance) || !insides_->has[number]) return;
-        inside = holds_start_of(instances[number], ray, of);
+      const auto look_in = [&](uint32_t number) {
+        if (inside || (instance && number != *instance) || !has_inside(number)) return;
+        const auto of = std::ranges::equal_range(hits, number, {}, &Hit::instance);
+        const MeshBoundary* const boundary = insides.of[number].boundary.get();
+        inside = boundary ? std::abs(winding_number_of(instances[number], *boundary, ray,
+                                                       {of.begin(), of.end()})) > 0.5
+                          : holds_start_of(instances[number], ray, {of.begin(), of.end()});
       };
       if (can_hit(ray)) {
         find_all(ray, hits);
         sort_by_instance(hits);
-        for_each_instance(hits, [&](std::span<const Hit> of) { look_in(of[0].instance, of); });
-        for (const uint32_t number : insides_->unbounded) look_in(number, {});
+        for_each_instance(hits, [&](std::span<const Hit> of) { look_in(of[0].instance); });
+        for (const uint32_t number : insides.unbounded) look_in(number);
+        if (open == OpenInside::by_winding)
+          for (const uint32_t number : insides.open) look_in(number);
       }
       result[i] = inside ? 1 : 0;
     }

@@ -39,12 +39,22 @@ class RayQueries {
   /// Passages from front to back less those from back to front. A ray through an edge or vertex of
   /// a mesh counts for one of the triangles there. rays.cull does not count.
   bool crossings(const RayArrays& rays, int32_t* result, const QueryControl& control = {}) const;
+  /// What is inside a mesh that is open.
+  enum class OpenInside {
+    nothing,
+    by_winding,  ///< what it goes around at least half, by its generalised winding number
+  };
   /// 1 for points inside some solid or closed mesh, or inside that instance. An instance without an
   /// inside is a usage error. Points on a surface are on either side, the same each time.
   bool contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
-                uint8_t* result, const QueryControl& control = {}) const;
-  /// The numbers of instances of meshes that have no inside, as they are open.
-  std::vector<uint32_t> open_meshes() const;
+                OpenInside open, uint8_t* result, const QueryControl& control = {}) const;
+  struct OpenMesh {
+    uint32_t instance = 0;
+    size_t edges = 0;           ///< at which it is open
+    uint32_t from = 0, to = 0;  ///< the vertices of one of them
+  };
+  /// The meshes that are open.
+  std::vector<OpenMesh> open_meshes() const;
 
   /// What lies at hits that closest_hits() or all_hits() found for these rays.
   bool attributes(const RayArrays& rays, const ConstHitArrays& hits, const AttributeArrays& out,
@@ -75,7 +85,7 @@ class RayQueries {
  private:
   struct Insides;
 
-  bool has_inside(uint32_t instance) const;
+  const Insides& insides() const;
   void find_all(const Ray& ray, std::vector<Hit>& hits) const;
   uint32_t row_of(const Hit& hit) const;
   /// The hit of entry `i`, in the scene's numbers; nothing where none was hit.

@@ -1,8 +1,13 @@
 // Whether a mesh is closed, and how often lines cross it.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
 #include <numeric>
 #include <tuple>
 
+#include "renderer/shapes/mesh_boundary.h"
 #include "renderer/shapes/projected_edge.h"
 #include "renderer/shapes/triangle_mesh.h"
 
@@ -28,7 +33,32 @@ std::vector<uint32_t> weld(const TriangleMesh& mesh) {
 
 }  // namespace
 
-bool is_closed(const TriangleMesh& mesh) {
+void merge_vertices(TriangleMesh& mesh, double distance) {
+  // Vertices that stay, by cubes of that side: those near a point are in its own or beside it.
+  using Cube = std::array<double, 3>;
+  std::map<Cube, std::vector<uint32_t>> staying;
+  const auto cube_of = [distance](const Point3& p) {
+    return Cube{std::floor(p.x / distance), std::floor(p.y / distance), std::floor(p.z / distance)};
+  };
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
+    const Point3 p = mesh.vertex(i);
+    const Cube own = cube_of(p);
+    uint32_t first = i;
+    for (int k = 0; k < 27; ++k) {
+      const Cube cube{own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1};
+      const auto found = staying.find(cube);
+      if (found == staying.end()) continue;
+      for (const uint32_t other : found->second)
+        if (other < first && length(mesh.vertex(other) - p) <= distance) first = other;
+    }
+    if (first == i)
+      staying[own].push_back(i);
+    else
+      mesh.positions[i] = mesh.positions[first];
+  }
+}
+
+std::vector<OpenEdge> open_edges(const TriangleMesh& mesh) {
   const std::vector<uint32_t> same = weld(mesh);
   std::vector<std::tuple<uint32_t, uint32_t, int>> edges;
   edges.reserve(3 * mesh.triangles.size());
@@ -39,14 +69,25 @@ bool is_closed(const TriangleMesh& mesh) {
     }
   }
   std::sort(edges.begin(), edges.end());
+  std::vector<OpenEdge> open;
   for (size_t i = 0; i < edges.size();) {
     int sum = 0;
     const auto [a, b, first] = edges[i];
     for (; i < edges.size() && std::get<0>(edges[i]) == a && std::get<1>(edges[i]) == b; ++i)
       sum += std::get<2>(edges[i]);
-    if (sum != 0) return false;
+    open.insert(open.end(), static_cast<size_t>(std::abs(sum)),
+                sum > 0 ? OpenEdge{a, b} : OpenEdge{b, a});
   }
-  return !edges.empty();
+  return open;
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  const auto has_edge = [&mesh](const TriangleIndices& t) {
+    const auto place = [&mesh](uint32_t i) { return mesh.vertex(i); };
+    return place(t[0]) != place(t[1]) || place(t[1]) != place(t[2]);
+  };
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), has_edge) &&
+         open_edges(mesh).empty();
 }
 
 int mesh_crossing_number(const TriangleMesh& mesh, const Ray& ray, std::span<const Hit> hits) {

@@ -188,6 +188,60 @@ def test_arrays_at_odd_addresses_are_taken_by_every_query(closed, kind):
             assert np.array_equal(got, right, equal_nan=got.dtype.kind == "f")
 
 
+@pytest.mark.parametrize("harm", ["missing", "doubled", "flipped"])
+def test_one_bad_triangle_is_told_of_and_costs_the_inside_no_more_than_its_place(harm):
+    points, rows = cube()
+    whole = tracer_from_mesh(points, rows)
+    rng = np.random.default_rng(7)
+    bad = {"missing": rows[1:], "doubled": np.concatenate([rows, rows[:1]]),
+           "flipped": np.concatenate([rows[1:], rows[:1, ::-1]])}[harm]
+    mesh = ts.Mesh(points, bad, name="part")
+    assert not mesh.is_closed and ts.Mesh(points, rows).is_closed and not ts.Mesh().is_closed
+    assert len(mesh.open_edges()) == (6 if harm == "flipped" else 3) and mesh.open_edges().shape[1] == 2
+    assert set(mesh.open_edges().reshape(-1)) == set(rows[0])
+    scene = ts.Scene()
+    scene.add(mesh)
+    tracer = scene.tracer()
+    at = rng.uniform(-2, 22, (20_000, 3))
+    with pytest.warns(ts.SceneWarning, match=r"contains: the mesh 'part' is not closed at [36] edges, as that "
+                                             r"between vertices \d+ and \d+, so that nothing is inside"):
+        assert not tracer.contains(at).any()
+    with pytest.raises(ts.UsageError, match="'part' is not closed at"):
+        tracer.contains(at, closed="error")
+    inside = tracer.contains(at, method="winding")
+    far = np.linalg.norm(at[:, None] - points[rows[0]], axis=-1).min(-1) > 0.005 * 20 * 3 ** .5
+    assert far.sum() > 19_000 and np.array_equal(inside[far], whole.contains(at)[far])
+    for threads in (1, 3):
+        assert np.array_equal(inside, tracer.contains(at, method="winding", threads=threads))
+    assert np.array_equal(tracer.contains(at, 0, method="winding"), inside)
+    moved = ts.Scene()
+    moved.add(mesh, transform=ts.translate(5, 0, 0) @ ts.scale(-2))
+    assert np.array_equal(moved.tracer().contains(at * -2 + (5, 0, 0), method="winding")[far], inside[far])
+
+
+def test_closed_meshes_have_the_same_inside_by_both_methods():
+    points, rows = cube()
+    scene = ts.Scene()
+    scene.add(ts.Mesh(points, rows), ts.Sphere((30, 0, 0), 3))
+    at = np.concatenate([np.random.default_rng(1).uniform(-5, 35, (20_000, 3)), points])
+    tracer = scene.tracer()
+    assert np.array_equal(tracer.contains(at), tracer.contains(at, method="winding"))
+    with pytest.raises(ts.UsageError, match="method: 'windings'; expected one of parity, winding"):
+        tracer.contains(at, method="windings")
+
+
+def test_merged_vertices_close_slits():
+    points, rows = cube()
+    apart = points[rows].reshape(-1, 3) + np.random.default_rng(2).uniform(-1e-4, 1e-4, (rows.size, 3))
+    mesh = ts.Mesh(apart)
+    merged = mesh.merge_vertices(1e-3)
+    assert not mesh.is_closed and merged.is_closed
+    assert np.array_equal(mesh.positions, apart.astype("f4")) and merged.positions.shape == mesh.positions.shape
+    for distance in (0, -1, float("nan"), float("inf")):
+        with pytest.raises(ts.UsageError, match="distance: .*; expected a length in metres, above 0"):
+            mesh.merge_vertices(distance)
+
+
 def test_nothing_is_a_legal_number_of_rays_and_triangles():
     tracer = tracer_from_mesh(np.empty((0, 3)), np.empty((0, 3), int))
     assert not tracer.intersect(np.zeros((4, 3)), [0, 0, 1]).hit.any()
@@ -464,7 +518,7 @@ def test_tracers_go_on_in_a_forked_child(script):
 def test_an_open_mesh_is_told_by_contains():
     positions, triangles = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3)]
     tracer = ts.Scene(nodes=[ts.Mesh(positions, triangles, name="tent")]).tracer()
-    with pytest.warns(ts.SceneWarning, match="contains: the mesh 'tent': not closed"):
+    with pytest.warns(ts.SceneWarning, match="contains: the mesh 'tent' is not closed at 3 edges"):
         assert not tracer.contains((.1, .1, .1))
     with pytest.raises(ts.UsageError, match="which is open"):
         tracer.contains((.1, .1, .1), "tent")

@@ -46,9 +46,10 @@ inline std::vector<int32_t> crossings(const RayQueries& queries, const RayArrays
   return numbers;
 }
 inline std::vector<uint8_t> contained(const RayQueries& queries, const std::vector<double>& points,
-                                      std::optional<uint32_t> instance = {}) {
+                                      std::optional<uint32_t> instance = {},
+                                      RayQueries::OpenInside open = {}) {
   std::vector<uint8_t> inside(points.size() / 3);
-  EXPECT_TRUE(queries.contains(inside.size(), {points.data()}, instance, inside.data()));
+  EXPECT_TRUE(queries.contains(inside.size(), {points.data()}, instance, open, inside.data()));
   return inside;
 }
 

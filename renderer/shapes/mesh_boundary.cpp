@@ -1,0 +1,193 @@
+#include "renderer/shapes/mesh_boundary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "renderer/math/bounds.h"
+#include "renderer/math/elementary.h"
+#include "renderer/shapes/projected_edge.h"
+
+namespace tessera {
+namespace {
+
+/// The solid angles that triangles fill as seen from the origin of a ray that go from an edge to
+/// the point endlessly far behind it.
+class StripAngles {
+ public:
+  explicit StripAngles(const Ray& ray)
+      : frame_(ray), origin_(ray.origin), along_(normalize(ray.direction)) {
+    // Where edge_side() moves what is right on the ray.
+    Vec3 aside;
+    aside[frame_.kx] = -1;
+    aside_ = aside - dot(aside, along_) * along_;
+  }
+
+  /// By van Oosterom and Strackee 1983, without differences that cancel. On which side of the edge
+  /// the ray passes is decided as for triangles, so that it fits their crossings.
+  double of(const Point3& from, const Point3& to) const {
+    const int side = edge_side(project(frame_, from), project(frame_, to));
+    if (side == 0) return 0;
+    const Direction a = direction(from), b = direction(to);
+    const double volume = dot(along_, cross(b.across, a.across));
+    return 2 * portable::atan2(std::copysign(volume, side),
+                               a.behind * b.behind + dot(a.across, b.across));
+  }
+
+ private:
+  struct Direction {
+    Vec3 across;        ///< of the vector to a point what is at right angles to the ray
+    double behind = 0;  ///< its length less what of it is along the ray
+  };
+  Direction direction(const Point3& point) const {
+    const Vec3 v = point - origin_;
+    const double along = dot(v, along_), whole = length(v);
+    const Vec3 across = v - along * along_;
+    const double squared = length_squared(across);
+    if (along > 0 && squared == 0) return {aside_, 0};
+    return {across, along > 0 ? squared / (whole + along) : whole - along};
+  }
+
+  TriangleRay frame_;
+  Point3 origin_;
+  Vec3 along_, aside_;
+};
+
+/// The area of the loop through the points and back, across its mean direction.
+Vec3 area_of(const Point3* begin, const Point3* end, const Point3& center) {
+  Vec3 sum;
+  for (const Point3* p = begin; p != end; ++p) {
+    const Point3& next = p + 1 == end ? *begin : p[1];
+    sum = sum + cross(*p - center, next - center);
+  }
+  return sum / 2;
+}
+
+}  // namespace
+
+MeshBoundary::MeshBoundary(const TriangleMesh& mesh) : edges_(open_edges(mesh)) {
+  std::vector<Loop> loops = make_loops(mesh);
+  if (!loops.empty()) build_loops(loops, 0, loops.size());
+}
+
+std::vector<MeshBoundary::Loop> MeshBoundary::make_loops(const TriangleMesh& mesh) {
+  // As each triangle comes to each corner and leaves it, open edges do so too.
+  std::vector<OpenEdge> by_from = edges_;
+  std::stable_sort(by_from.begin(), by_from.end(),
+                   [](const OpenEdge& a, const OpenEdge& b) { return a.from < b.from; });
+  std::vector<bool> used(by_from.size());
+  const auto next_from = [&](uint32_t vertex) {
+    auto at = std::lower_bound(by_from.begin(), by_from.end(), vertex,
+                               [](const OpenEdge& edge, uint32_t v) { return edge.from < v; });
+    while (at != by_from.end() && at->from == vertex &&
+           used[static_cast<size_t>(at - by_from.begin())])
+      ++at;
+    return static_cast<size_t>(at - by_from.begin());
+  };
+  std::vector<Loop> loops;
+  for (size_t i = 0; i < by_from.size(); ++i) {
+    if (used[i]) continue;
+    const uint32_t start = by_from[i].from;
+    Loop loop{static_cast<uint32_t>(points_.size()), 0, {}};
+    points_.push_back(mesh.vertex(start));
+    for (uint32_t vertex = start;;) {
+      const size_t edge = next_from(vertex);
+      used[edge] = true;
+      vertex = by_from[edge].to;
+      points_.push_back(mesh.vertex(vertex));
+      if (vertex == start) break;
+    }
+    loop.last = static_cast<uint32_t>(points_.size() - 1);
+    Bounds3 box;
+    for (uint32_t p = loop.first; p < loop.last; ++p) box.extend(points_[p]);
+    loop.center = box.center();
+    loops.push_back(loop);
+  }
+  return loops;
+}
+
+void MeshBoundary::build_loops(std::vector<Loop>& loops, size_t begin, size_t end) {
+  if (end - begin == 1) return build_chain(loops[begin].first, loops[begin].last);
+  const size_t self = nodes_.size();
+  nodes_.emplace_back();
+  Bounds3 centers;
+  for (size_t i = begin; i < end; ++i) centers.extend(loops[i].center);
+  const Vec3 d = centers.diagonal();
+  const int axis = d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
+  const size_t middle = begin + (end - begin) / 2;
+  const auto at = [&](size_t i) { return loops.begin() + static_cast<ptrdiff_t>(i); };
+  std::nth_element(at(begin), at(middle), at(end), [axis](const Loop& a, const Loop& b) {
+    return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.first < b.first;
+  });
+  build_loops(loops, begin, middle);
+  const size_t second = nodes_.size();
+  build_loops(loops, middle, end);
+  Node& node = nodes_[self];
+  Bounds3 box;
+  for (const size_t child : {self + 1, second}) {
+    const Vec3 r{nodes_[child].radius, nodes_[child].radius, nodes_[child].radius};
+    box.extend(nodes_[child].center - r);
+    box.extend(nodes_[child].center + r);
+    node.area = node.area + nodes_[child].area;
+  }
+  node.center = box.center();
+  for (const size_t child : {self + 1, second})
+    node.radius =
+        std::max(node.radius, length(nodes_[child].center - node.center) + nodes_[child].radius);
+  node.end = static_cast<uint32_t>(nodes_.size());
+}
+
+void MeshBoundary::build_chain(uint32_t first, uint32_t last) {
+  constexpr uint32_t kEdgesOfLeaf = 4;
+  const size_t self = nodes_.size();
+  Node node;
+  node.first = first;
+  node.last = last;
+  node.is_leaf = last - first <= kEdgesOfLeaf;
+  Bounds3 box;
+  for (uint32_t p = first; p <= last; ++p) box.extend(points_[p]);
+  node.center = box.center();
+  for (uint32_t p = first; p <= last; ++p)
+    node.radius = std::max(node.radius, length(points_[p] - node.center));
+  node.area = area_of(points_.data() + first, points_.data() + last + 1, node.center);
+  nodes_.push_back(node);
+  if (!node.is_leaf) {
+    const uint32_t middle = first + (last - first) / 2;
+    build_chain(first, middle);
+    build_chain(middle, last);
+  }
+  nodes_[self].end = static_cast<uint32_t>(nodes_.size());
+}
+
+double MeshBoundary::winding_number(const Ray& ray, int crossing_number) const {
+  // Strips from the open edges away from where the ray goes close the mesh without crossing the
+  // ray. It goes around its origin as often as the ray leaves it; the strips take their share off.
+  constexpr double kFar = 2.5;
+  const StripAngles strips(ray);
+  const Vec3 along = normalize(ray.direction);
+  const auto strip = [&](uint32_t from, uint32_t to) {
+    return strips.of(points_[from], points_[to]);
+  };
+  double angle = 0;
+  for (uint32_t i = 0; i < nodes_.size();) {
+    const Node& node = nodes_[i];
+    const Vec3 to_center = node.center - ray.origin;
+    const double squared = length_squared(to_center), ahead = dot(to_center, along);
+    const double near = kFar * node.radius;
+    // A loop that the ray goes through is no dipole: it is seen from behind, all of the sphere but
+    // the loop.
+    const bool is_passed = ahead <= 0 || squared - ahead * ahead > 1.01 * node.radius * node.radius;
+    if (squared > near * near && is_passed) {
+      angle += dot(node.area, to_center) / (squared * std::sqrt(squared));
+      if (points_[node.first] != points_[node.last]) angle += strip(node.first, node.last);
+      i = node.end;
+      continue;
+    }
+    if (node.is_leaf)
+      for (uint32_t p = node.first; p < node.last; ++p) angle += strip(p, p + 1);
+    ++i;
+  }
+  return angle / (4 * std::numbers::pi) - crossing_number;
+}
+
+}  // namespace tessera
