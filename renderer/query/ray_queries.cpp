@@ -61,6 +61,17 @@ void for_each_instance(std::span<const Hit> hits, const Visit& visit) {
   }
 }
 
+/// Those of one instance among hits sorted by instance.
+std::span<const Hit> hits_of(std::span<const Hit> hits, uint32_t instance) {
+  const auto first =
+      std::lower_bound(hits.begin(), hits.end(), instance,
+                       [](const Hit& hit, uint32_t number) { return hit.instance < number; });
+  const auto last =
+      std::upper_bound(first, hits.end(), instance,
+                       [](uint32_t number, const Hit& hit) { return number < hit.instance; });
+  return {first, last};
+}
+
 void sort_by_instance(std::vector<Hit>& hits) {
   std::stable_sort(hits.begin(), hits.end(),
                    [](const Hit& a, const Hit& b) { return a.instance < b.instance; });
@@ -272,11 +283,11 @@ bool RayQueries::contains(size_t count, const VectorRows& points, std::optional<
       bool inside = false;
       const auto look_in = [&](uint32_t number) {
         if (inside || (instance && number != *instance) || !has_inside(number)) return;
-        const auto of = std::ranges::equal_range(hits, number, {}, &Hit::instance);
+        const std::span<const Hit> of = hits_of(hits, number);
+        const Instance& one = instances[number];
         const MeshBoundary* const boundary = insides.of[number].boundary.get();
-        inside = boundary ? std::abs(winding_number_of(instances[number], *boundary, ray,
-                                                       {of.begin(), of.end()})) > 0.5
-                          : holds_start_of(instances[number], ray, {of.begin(), of.end()});
+        inside = boundary ? std::abs(winding_number_of(one, *boundary, ray, of)) > 0.5
+                          : holds_start_of(one, ray, of);
       };
       if (can_hit(ray)) {
         find_all(ray, hits);

@@ -44,13 +44,16 @@ void merge_vertices(TriangleMesh& mesh, double distance) {
     const Point3 p = mesh.vertex(i);
     const Cube own = cube_of(p);
     uint32_t first = i;
-    for (int k = 0; k < 27; ++k) {
-      const Cube cube{own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1};
+    const auto look_in = [&](const Cube& cube) {
       const auto found = staying.find(cube);
-      if (found == staying.end()) continue;
+      if (found == staying.end()) return;
       for (const uint32_t other : found->second)
         if (other < first && length(mesh.vertex(other) - p) <= distance) first = other;
-    }
+    };
+    constexpr double kBeside[] = {-1, 0, 1};
+    for (const double x : kBeside)
+      for (const double y : kBeside)
+        for (const double z : kBeside) look_in({own[0] + x, own[1] + y, own[2] + z});
     if (first == i)
       staying[own].push_back(i);
     else
