@@ -218,7 +218,7 @@ VertexBounds round_all(const ArraySource& source, const std::array<double, 3>& m
   return bounds;
 }
 
-/// The largest move of a vertex by rounding, where that may be more than 2^-24 of their extent;
+/// The largest move of a vertex by rounding, where that is more than 2^-24 of their extent;
 /// else 0.
 double large_move(const ArraySource& source, const std::array<double, 3>& middle,
                   const float* rounded, const VertexBounds& bounds) {

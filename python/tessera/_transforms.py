@@ -49,6 +49,11 @@ class Transform(_messages.Transform):
         array: npt.NDArray[np.float64] = as_ndarray(_core.transform_matrix(self))
         return array
 
+    def inverse(self) -> Transform:
+        """The transform that undoes this one, as a matrix. Raises ValueError where there is none, as for
+        a scale of 0."""
+        return Transform([TransformStep(matrix=Matrix(_core.inverse_matrix(self)))])
+
 
 def _is_one(function: str, y: Any, z: Any) -> bool:
     """Whether one argument was given; raises TypeError where it was two."""

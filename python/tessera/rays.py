@@ -269,7 +269,9 @@ class Tracer:
     def camera_rays(self, size: Optional[Tuple[int, int]] = None, camera: Optional[str] = None,
                     ) -> Tuple[Doubles, Doubles]:
         """Origins, in metres, and unit directions, both float64 (height, width, 3) on the axes of the
-        world, of the rays through the middles of the pixels of a frame; row 0 is the top.
+        world, of the rays through the middles of the pixels of a frame; row 0 is the top. They are
+        those of a pinhole without bounds: the camera's lens, `near_distance` and `far_distance` have no
+        part in them; give the distances to queries as `t_min` and `t_max`.
 
         :param size: (width, height); left out, that of the scene.
         :param camera: the name of one; left out, the tracer's.

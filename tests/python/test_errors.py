@@ -147,7 +147,7 @@ def test_what_is_nested_without_an_end_is_told_or_cut_off():
                         (lambda: ts.load_dict({"nodes": [deep]}), "description")):
         with pytest.raises(ts.SceneError, match=f"^{place}: something inside itself, or nested too deep"):
             call()
-    assert repr(node) == "Node(children=[" * 65 + "..." + "])" * 65
+    assert repr(node) == "Node(children=<list of 1>)"
     assert repr(ts.Node(children=[ts.Node()])) == "Node(children=[Node()])"
 
 
@@ -426,7 +426,7 @@ def test_nodes_that_double_are_copied_turned_and_shown():
     assert node.copy().instance_of.nodes[0].children[0].children
     node.flip()
     assert node.children[0] is node.children[1]
-    assert repr(node).count("Sphere(") < 100_000 and "..." in repr(node)
+    assert repr(node) == "Node(children=<list of 2>)"
     few = ts.Node(children=[ts.Node(), ts.Node()])
     assert eval(repr(few), vars(ts)) == few
 
