@@ -4,6 +4,7 @@ from __future__ import annotations
 import functools
 import json
 import os
+import warnings
 from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoReturn, Optional, Tuple,
                     Union, overload)
 
@@ -11,8 +12,8 @@ from . import _core
 from ._array import as_ndarray, plain_array
 from ._options import boolean, file_name, named_text, option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
-from ._value import refuse_unknown
-from .errors import MissingFile, UsageError
+from ._value import level_of_caller, refuse_unknown
+from .errors import MissingFile, SceneWarning, UsageError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -172,7 +173,7 @@ class Image:
         cannot be written, the others are all the same. What is left out is as the scene says.
 
         Raises UsageError for a picture made of uint16 whose values a file of 8 bits would round, unless
-        `bits=8` asks for that.
+        `bits=8` asks for that. A SceneWarning tells of AOVs that none of the files has room for.
 
         :param bits: of a channel in files of integers, 8 or, for PNG and TIFF, 16; default 8. Files of
             floats (EXR, HDR, PFM) hold the light as it is.
@@ -195,6 +196,9 @@ class Image:
         if bits is None and self._has_16_bits:
             self._refuse_rounding(names)
         self._picture.save(names, option_texts({"bits": bits, **output}))
+        if self.aovs and not any(map(_core.holds_aovs, names)):
+            warnings.warn(f"save: {os.fsdecode(names[0])!r} has no room for {', '.join(self.aovs)}; expected "
+                          "an EXR file among those saved", SceneWarning, stacklevel=level_of_caller())
 
     def _refuse_rounding(self, names: List[bytes]) -> None:
         """Raises UsageError where one of the files would hold fewer bits than the array did."""

@@ -151,6 +151,16 @@ def test_what_is_nested_without_an_end_is_told_or_cut_off():
     assert repr(ts.Node(children=[ts.Node()])) == "Node(children=[Node()])"
 
 
+def test_names_that_the_module_lacks_tell_the_nearest():
+    with pytest.raises(AttributeError, match="^module 'tessera' has no attribute 'Sphre'; did you mean 'Sphere'"):
+        ts.Sphre
+    with pytest.raises(AttributeError, match="^module 'tessera' has no attribute '__sphere__'$"):
+        ts.__sphere__
+    with pytest.raises(ImportError, match="cannot import name 'Sphre'"):
+        from tessera import Sphre
+    assert not hasattr(ts, "zzzz")
+
+
 def test_wrong_names_tell_the_nearest():
     with pytest.raises(TypeError, match="no keyword 'centre'; did you mean 'center'"):
         ts.Sphere(centre=(0, 0, 0))

@@ -8,6 +8,7 @@ import pathlib
 import pickle
 import re
 import struct
+import warnings
 import zlib
 
 import numpy as np
@@ -520,3 +521,13 @@ def test_a_picture_of_uint16_is_not_rounded_unasked(tmp_path):
     image.save(tmp_path / "a.png", bits=8)
     assert decoded_png((tmp_path / "a.png").read_bytes()).max() == 1
     ts.Image.from_array(np.full((2, 2), 3, "u1")).save(tmp_path / "c.png")
+
+
+def test_what_no_file_has_room_for_is_told(image, tmp_path):
+    with pytest.warns(ts.SceneWarning, match=r"^save: '.*a.png' has no room for .*depth.*; expected an EXR") as told:
+        image.save(tmp_path / "a.png", tmp_path / "a.hdr")
+    assert [warning.filename for warning in told] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        image.save(tmp_path / "a.png", tmp_path / "a.exr")
+        ts.Image.from_array(image.linear).save(tmp_path / "a.png")
