@@ -59,7 +59,7 @@ class _ArrayField(Generic[Given]):
 
 def _triangles_of(cells: Mapping[str, Any]) -> Optional[ArrayLike]:
     """The triangles of meshio's cells, by their kinds; points and lines beside them are left out."""
-    import numpy as np
+    from ._numpy import numpy as np
     halves = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 0, 2, 3]}
     for kind, rows in cells.items():
         if kind not in halves and kind not in ("vertex", "line"):

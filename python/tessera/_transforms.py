@@ -32,7 +32,7 @@ class Transform(_messages.Transform):
             return Transform([*self.steps, *other.steps])
         if isinstance(other, (str, bytes)) or not hasattr(other, "__len__"):
             return NotImplemented
-        import numpy
+        from ._numpy import numpy
         points = plain_array("points", other)
         if not numpy.can_cast(points.dtype, numpy.float64):
             raise TypeError(f"points: dtype {points.dtype}; expected float64 or what fits into it")

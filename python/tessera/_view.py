@@ -36,7 +36,7 @@ class Camera(_messages.Camera):
         backwards, as in OpenGL: `pose @ numpy.diag([1, -1, -1, 1])` is the pose in OpenCV's axes.
         UsageError where the camera moves by `keys`. Assigning a (3, 4) or (4, 4) matrix sets
         world_from_camera and ends the motion."""
-        import numpy as np
+        from ._numpy import numpy as np
         if self.keys:
             raise UsageError("pose: of a camera that moves; expected one without keys, whose transforms "
                              "are in camera.keys")

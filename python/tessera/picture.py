@@ -267,7 +267,7 @@ def _unpickled(state: Any, has_16_bits: bool = False) -> Image:
 
 def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
     """The array as linear light, (h, w, 3)."""
-    import numpy
+    from ._numpy import numpy
     values: npt.NDArray[Any] = plain_array("array", array)
     if values.ndim == 2:
         values = numpy.repeat(values[:, :, None], 3, axis=2)

@@ -54,7 +54,7 @@ def _thread_count(threads: Optional[int]) -> int:
 
 def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
     """`value` as an array of float64, or of float32 where it is that."""
-    import numpy as np
+    from ._numpy import numpy as np
     array: AnyArray = plain_array(name, value)
     if array.dtype == object or not np.can_cast(array.dtype, np.float64, "safe"):
         # Whole numbers of 64 bits lose their last bits by numpy's rule, and are taken all the same.
@@ -75,7 +75,7 @@ def _vectors(name: str, value: ArrayLike) -> Rows:
 
 def _broadcast(named: Sequence[Tuple[str, ArrayShape]]) -> ArrayShape:
     """The leading shape that all broadcast to."""
-    import numpy as np
+    from ._numpy import numpy as np
     try:
         return np.broadcast_shapes(*(shape for _, shape in named))
     except ValueError:
@@ -85,7 +85,7 @@ def _broadcast(named: Sequence[Tuple[str, ArrayShape]]) -> ArrayShape:
 
 def _rows(array: Rows, shape: ArrayShape) -> Rows:
     """(n, 3), without a copy wherever one stride leads from row to row."""
-    import numpy as np
+    from ._numpy import numpy as np
     return np.broadcast_to(array, shape + (3,)).reshape(-1, 3)
 
 
@@ -117,7 +117,7 @@ class _Rays:
         return (origins, directions), (empty_origins, empty_directions)
 
     def _to_keep(self, given: Rows, rows: Rows) -> Tuple[Rows, Optional[Doubles]]:
-        import numpy as np
+        from ._numpy import numpy as np
         if not (_can_change(given) and np.may_share_memory(given, rows)):
             return rows, None
         if given.size < rows.size:  # one row for all rays
@@ -127,7 +127,7 @@ class _Rays:
 
     def _end(self, end: Rows) -> Union[float, Doubles]:
         """One number, or one for each ray."""
-        import numpy as np
+        from ._numpy import numpy as np
         if end.ndim == 0:
             return float(end)
         return np.ascontiguousarray(np.broadcast_to(end, self.shape), np.float64).reshape(-1)
@@ -167,7 +167,7 @@ class Tracer:
                   fields: Union[None, HitField, Iterable[HitField]] = None) -> Hits:
         """The closest hit of each ray. `fields` names what is wanted of t, instance, primitive and
         uv; all, if it is left out."""
-        import numpy as np
+        from ._numpy import numpy as np
         wanted: Sequence[HitField] = (_FIELDS if fields is None else [fields] if isinstance(fields, str)
                                       else several(fields, "fields", _SOME_FIELDS))
         if not wanted:
@@ -192,7 +192,7 @@ class Tracer:
                  t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                  threads: Optional[int] = None) -> Bools:
         """Whether each ray hits anything."""
-        import numpy as np
+        from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, bool)
         self._core.occluded(rays.origins, rays.directions, *rays.ends,
@@ -206,7 +206,7 @@ class Tracer:
                       t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                       threads: Optional[int] = None) -> AllHits:
         """All hits of each ray, each once."""
-        import numpy as np
+        from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         kept, empty = rays.to_keep()
         offsets, *arrays = (np.asarray(a) for a in self._core.intersect_all(
@@ -220,7 +220,7 @@ class Tracer:
                   threads: Optional[int] = None) -> npt.NDArray[np.int32]:
         """How often each ray passes from front to back, less how often from back to front. Through
         an edge or vertex of a mesh it passes once."""
-        import numpy as np
+        from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, np.int32)
         self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
@@ -233,7 +233,7 @@ class Tracer:
         or closed mesh; with `shape` inside the instances of that name or number. bool (...); False for
         a point whose numbers are not all finite. A mesh that is not closed has no inside: SceneWarning
         tells of it, UsageError where `shape` means it."""
-        import numpy as np
+        from ._numpy import numpy as np
         if shape is None and self._open is None:
             self._open = self._core.open_meshes()
             if self._open:
@@ -276,7 +276,7 @@ class Tracer:
         :param size: (width, height); left out, that of the scene.
         :param camera: the name of one; left out, the tracer's.
         """
-        import numpy as np
+        from ._numpy import numpy as np
         sides = several(self._core.size() if size is None else size, "size")
         if len(sides) != 2 or not all(0 < whole("size", side) <= 65536 for side in sides):
             raise UsageError(f"size: {size}; expected (width, height), whole numbers from 1 to 65536")
@@ -294,7 +294,7 @@ class Tracer:
 
         :param directions: one for each hit, or one for all; of any length.
         """
-        import numpy as np
+        from ._numpy import numpy as np
         if not isinstance(hits, Located):
             raise TypeError(f"hits: {hits!r:.100}; expected Hits or AllHits")
         away = _vectors("directions", directions)
@@ -311,7 +311,7 @@ class Tracer:
     def bounds(self) -> Doubles:
         """The least and the largest corner around all that ends somewhere, float64 (2, 3): metres on
         the axes of the world. Infinite, the least above the largest, where there is nothing such."""
-        import numpy as np
+        from ._numpy import numpy as np
         return np.asarray(self._core.bounds())
 
     @property

@@ -161,6 +161,12 @@ def test_names_that_the_module_lacks_tell_the_nearest():
     assert not hasattr(ts, "zzzz")
 
 
+def test_an_error_of_a_farm_has_its_endpoint_or_none():
+    for error in (ts.FarmError("x"), ts.Refused("x"), pickle.loads(pickle.dumps(ts.FarmError("x")))):
+        assert error.endpoint is None
+    assert pickle.loads(pickle.dumps(ts.Refused("x", endpoint="tcp://a:1"))).endpoint == "tcp://a:1"
+
+
 def test_wrong_names_tell_the_nearest():
     with pytest.raises(TypeError, match="no keyword 'centre'; did you mean 'center'"):
         ts.Sphere(centre=(0, 0, 0))
