@@ -57,6 +57,7 @@ OutputSettings output_settings(const std::string& scene_file, const v1::Output& 
   try {
     OutputSettings result = picture_settings(with_options(of_scene, options));
     result.color_management = color_management(options);
+    result.bits = options.bits;
     return result;
   } catch (const Error& error) {
     if (error.code() != ExitCode::bad_scene) throw;
@@ -114,6 +115,13 @@ void add_output_options(OptionList& list, OutputOptions& options) {
                 throw usage_error(fmt::format("--gamma: {}; expected above 0", text));
               options.gamma = gamma;
             });
+  static const std::vector<std::string> bits{"8", "16"};
+  group
+      .add("--bits", "N", "8, or 16 for PNG and TIFF: bits of a channel [8]",
+           [&options](const std::string& text) {
+             options.bits = parse_choice("--bits", text, bits) == "16" ? 16 : 8;
+           })
+      .choices = bits;
   const auto add_name = [&](const char* name, const char* type, const std::string& text,
                             std::optional<std::string>& out) {
     group.add(name, type, text, [name, &out](const std::string& given) {

@@ -309,6 +309,8 @@ void bind_picture(py::module_& module) {
   module.def("picture_from_values", &from_values);
   module.def("read_picture", &read_file);
   module.def("read_light", &read_light);
+  module.def("holds_floats", [](const std::string& path) { return holds_floats(path); });
+  module.def("holds_aovs", [](const std::string& path) { return holds_aovs(path); });
   module.def("compare", &compare);
 }
 

@@ -220,11 +220,11 @@ VertexBounds round_all(const ArraySource& source, const std::array<double, 3>& m
   return bounds;
 }
 
-/// The largest move of a vertex by rounding, where that may be more than 2^-24 of their extent;
+/// The largest move of a vertex by rounding, where that is more than a millionth of their extent;
 /// else 0.
 double large_move(const ArraySource& source, const std::array<double, 3>& middle,
                   const float* rounded, const VertexBounds& bounds) {
-  const double allowed = bounds.extent() * 0x1p-24;
+  const double allowed = bounds.extent() * 1e-6;
   if (bounds.largest_move * std::sqrt(3.0) <= allowed) return 0;
   double largest = 0;
   std::array<double, 3> by{};

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <pybind11/stl.h>
+
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -16,16 +19,31 @@ namespace py = pybind11;
 namespace tessera {
 namespace {
 
-/// The three upper rows of a transform's matrix.
-Array transform_matrix(py::handle transform) {
+Affine affine_of(py::handle transform) {
   v1::Scene scene;
   BlobStore blobs;
   v1::Transform message;
   ValueReader(scene, blobs).read(transform, message);
-  const Affine affine = to_affine(message);
+  return to_affine(message);
+}
+
+std::vector<double> numbers_of(const Affine& affine) {
   std::vector<double> numbers;
   for (const auto& row : affine.m) numbers.insert(numbers.end(), row.begin(), row.end());
-  return {std::move(numbers), {3, 4}};
+  return numbers;
+}
+
+/// The three upper rows of a transform's matrix.
+Array transform_matrix(py::handle transform) { return {numbers_of(affine_of(transform)), {3, 4}}; }
+
+/// Those of its inverse.
+std::vector<double> inverse_matrix(py::handle transform) {
+  std::vector<double> numbers = numbers_of(inverse(affine_of(transform)));
+  if (!std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); })) {
+    throw py::value_error(
+        "transform: has no inverse; expected one that keeps different points apart");
+  }
+  return numbers;
 }
 
 /// Matrices of three or four rows as (n, 3, 4) in double precision.
@@ -66,6 +84,7 @@ Array take_matrices(py::handle given, const std::string& name) {
 void bind_transforms(py::module_& module) {
   module.def("transform_matrix", &transform_matrix,
              "The upper three rows of a transform's matrix.");
+  module.def("inverse_matrix", &inverse_matrix, "The 12 numbers of the rows of its inverse.");
   module.def("take_matrices", &take_matrices, "Matrices as an array (n, 3, 4).");
 }
 

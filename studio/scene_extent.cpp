@@ -184,8 +184,11 @@ CameraSettings settings_of(const v1::Camera& camera, const Affine& world) {
     if (window.has_max_y()) settings.max_y = window.max_y();
   } else if (camera.has_spherical() || camera.has_cylindrical()) {
     settings.projection = Projection::spherical;
-  } else if (camera.perspective().has_field_of_view()) {
-    settings.field_of_view = portable::radians(camera.perspective().field_of_view());
+  } else {
+    const v1::Perspective& view = camera.perspective();
+    if (view.has_field_of_view()) settings.field_of_view = portable::radians(view.field_of_view());
+    settings.shift = {view.shift_x(), view.shift_y()};
+    if (view.pixel_aspect() > 0) settings.pixel_aspect = view.pixel_aspect();
   }
   return settings;
 }

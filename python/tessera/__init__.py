@@ -2,6 +2,8 @@
 
 The guide is docs/python.md of the sources. Start from `Scene`, `render`, `load` and `Tracer`.
 """
+from typing import TYPE_CHECKING as _TYPE_CHECKING, NoReturn as _NoReturn
+
 from . import _loading
 
 _loading.check()  # Before anything else loads the extension module.
@@ -26,7 +28,7 @@ from ._shapes import Box, Plane, Rectangle, Triangle
 from ._textures import ImageTexture
 from ._toolbox import LIGHT_1, LIGHT_2, Classic, reflect
 from ._transforms import Transform, keys, look_at, matrix, rotate, scale, translate
-from ._value import Value
+from ._value import Value, nearest as _nearest
 from ._view import Background, Camera, Lens
 from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning, Refused, RenderError,
                      SceneError, SceneWarning, UsageError)
@@ -148,3 +150,9 @@ __all__ = [
     "solve_quadratic",
     "translate",
 ]
+
+if not _TYPE_CHECKING:  # for mypy a module that has this has every name
+    def __getattr__(name: str) -> _NoReturn:
+        """Raises AttributeError that tells the nearest public name."""
+        hint = "" if name.startswith("_") else _nearest(name, __all__)
+        raise AttributeError(f"module 'tessera' has no attribute '{name}'{hint}")

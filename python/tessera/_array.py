@@ -9,7 +9,7 @@ from .errors import UsageError
 
 def plain_array(name: str, value: Any) -> Any:
     """What was given as `name` as an array of numpy. Refuses masked values."""
-    import numpy
+    from ._numpy import numpy
     try:
         array = numpy.asarray(value)
     except (TypeError, ValueError) as error:

@@ -63,7 +63,7 @@ class Located:
 
     def _attribute(self, name: str) -> AnyArray:
         if name not in self._known:
-            import numpy as np
+            from ._numpy import numpy as np
             width, code = _ATTRIBUTES[name]
             shape = self._shape if width == 1 else self._shape + (width,)
             out = np.empty(shape, code)
@@ -131,7 +131,7 @@ class Located:
 
     def __reduce__(self) -> Tuple[Any, ...]:
         """Without the tracer, and so without its scene: with all that it could tell of the hits."""
-        import numpy as np
+        from ._numpy import numpy as np
         known = {} if self._rays is None else {name: self._attribute(name) for name in _ATTRIBUTES}
         state = {name: getattr(self, name) for name in self._slots()}
         # What was given once for all rays is a row for each here: a view without a step is no buffer.
@@ -174,7 +174,7 @@ class Hits(Located):
     @property
     def hit(self) -> Bools:
         """Whether anything was hit."""
-        import numpy as np
+        from ._numpy import numpy as np
         for name in ("instance", "primitive"):
             if name in self._arrays:
                 return frozen(np.asarray(self._arrays[name] != _NONE))
@@ -197,7 +197,7 @@ class Hits(Located):
         return bool(self.hit.all())
 
     def __getitem__(self, key: Any) -> Hits:
-        import numpy as np
+        from ._numpy import numpy as np
         count = math.prod(self._shape)
         chosen = np.arange(count).reshape(self._shape)[key]
         shape, rows = np.shape(chosen), np.reshape(chosen, -1)
@@ -242,13 +242,13 @@ class AllHits(Located):
     @property
     def counts(self) -> Integers:
         """How many hits each ray has, in the rays' shape."""
-        import numpy as np
+        from ._numpy import numpy as np
         return frozen(np.diff(self.offsets).reshape(self.ray_shape))
 
     @property
     def ray(self) -> Integers:
         """The number of each hit's ray."""
-        import numpy as np
+        from ._numpy import numpy as np
         return frozen(np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets)))
 
     def _per_hit(self) -> Tuple[Rows, Rows]:

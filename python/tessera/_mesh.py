@@ -60,7 +60,7 @@ class _ArrayField(Generic[Given]):
 
 def _triangles_of(cells: Mapping[str, Any]) -> Optional[ArrayLike]:
     """The triangles of meshio's cells, by their kinds; points and lines beside them are left out."""
-    import numpy as np
+    from ._numpy import numpy as np
     halves = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 0, 2, 3]}
     for kind, rows in cells.items():
         if kind not in halves and kind not in ("vertex", "line"):
@@ -87,7 +87,8 @@ class Mesh(_messages.Mesh):
         copy; True copies always.
     """
 
-    __slots__ = ()
+    __slots__ = ("_is_told",)
+    _is_told: bool  # of rounded positions
 
     positions: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
         "positions", "Of the vertices, (v, 3) float32.")
@@ -123,6 +124,7 @@ class Mesh(_messages.Mesh):
                          inline_positions=inline_positions, inline_triangles=inline_triangles,
                          inline_normals=inline_normals, inline_uvs=inline_uvs, **unknown)
         self._place = here()
+        self._is_told = False
         if positions is not None:
             count = self._take_positions(positions, copy, recenter)
             if triangles is None:
@@ -190,7 +192,8 @@ class Mesh(_messages.Mesh):
         """Returns how many there are."""
         taken, middle, moved = _core.take_positions(given, copy, boolean("recenter", recenter))
         Mesh.__dict__["positions"].put(self, taken, None)
-        if moved > 0:
+        if moved > 0 and not self._is_told:
+            self._is_told = True
             warnings.warn(f"positions: rounded by up to {moved:.3g} m; expected a mesh nearer to its "
                           "origin, as with recenter=True", PrecisionWarning, stacklevel=level_of_caller())
         if middle is not None:

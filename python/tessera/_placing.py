@@ -4,13 +4,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple, TypeVar, Union
 
 from ._core import Vec
-from ._types import ArrayLike, Cull, HitField, VectorLike
+from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
 from .errors import nesting_ends
 
 if TYPE_CHECKING:
     from ._messages import Csg, CsgOperation, Plane
     from ._transforms import Transform
-    from .rays import Hits
+    from ._types import Bools
+    from .rays import Hits, Tracer
 
 T = TypeVar("T", bound="Placed")
 
@@ -70,6 +71,17 @@ class Placed:
         Each call builds what it needs anew: many rays are better given at once, as arrays
         (..., 3). The options are those of `Tracer.intersect`.
         """
+        return self.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
+                                                threads=threads, fields=fields)
+
+    def contains(self, points: ArrayLike, *, threads: Optional[int] = None) -> Bools:
+        """Whether points, (..., 3) in metres, are inside it: bool (...). Each call builds what it needs
+        anew; see `Tracer.contains`."""
+        return self.tracer(threads=1).contains(points, threads=threads)
+
+    def tracer(self, *, accel: Accelerator = "bvh", threads: Optional[int] = None) -> Tracer:
+        """What answers any number of ray queries about this alone, where its own transform puts it. The
+        options are those of `Scene.tracer`."""
         from . import _messages
         from .scene import Scene
         materials = [material for shape in _shapes(self) for material in shape.materials]
@@ -77,8 +89,7 @@ class Placed:
         names = {material for material in materials if isinstance(material, str)} - own
         alone: Any = self
         scene = Scene(nodes=[alone], materials=[_messages.Classic(name=name) for name in sorted(names)])
-        return scene.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
-                                                 threads=threads, fields=fields)
+        return scene.tracer(accel=accel, threads=threads)
 
     def __or__(self, other: Placed) -> Csg:
         return _combined("union", self, other)

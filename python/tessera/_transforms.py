@@ -32,7 +32,7 @@ class Transform(_messages.Transform):
             return Transform([*self.steps, *other.steps])
         if isinstance(other, (str, bytes)) or not hasattr(other, "__len__"):
             return NotImplemented
-        import numpy
+        from ._numpy import numpy
         points = plain_array("points", other)
         if not numpy.can_cast(points.dtype, numpy.float64):
             raise TypeError(f"points: dtype {points.dtype}; expected float64 or what fits into it")
@@ -48,6 +48,11 @@ class Transform(_messages.Transform):
         """The three upper rows of the matrix: a (3, 4) array of float64."""
         array: npt.NDArray[np.float64] = as_ndarray(_core.transform_matrix(self))
         return array
+
+    def inverse(self) -> Transform:
+        """The transform that undoes this one, as a matrix. Raises ValueError where there is none, as for
+        a scale of 0."""
+        return Transform([TransformStep(matrix=Matrix(_core.inverse_matrix(self)))])
 
 
 def _is_one(function: str, y: Any, z: Any) -> bool:

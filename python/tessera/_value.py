@@ -19,10 +19,13 @@ Place = Tuple[Union[CodeType, str], int]
 # The class that users see, by message and kind.
 CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
 
-_MOST_SHOWN = 100_000
-_DEEPEST_SHOWN = 64
-# While repr() makes a text: `count`, the values in it, and `depth`, those around the present one.
-_being_shown = threading.local()
+_MOST_SHOWN = 1000  # characters of a text that evaluates back
+_MOST_OF_FIELD = 100  # those of each field where the text would be longer
+_being_shown = threading.local()  # while a text is made: `room`, how many more characters it may have
+
+
+class _TooLong(Exception):
+    """The text that repr() makes would have more characters than it may."""
 
 
 class Value(_core.ValueBase):
@@ -58,23 +61,18 @@ class Value(_core.ValueBase):
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        """Evaluates back, but for arrays of over 1,000 numbers, which are told by their shapes, and a
-        value with over 100,000 others in it, or deeper than a scene may be: `...` stands for the rest.
-        Nodes that are listed twice at each level, or in themselves, would make a text without end."""
-        depth = getattr(_being_shown, "depth", 0)
-        _being_shown.depth = depth + 1
-        _being_shown.count = 1 if depth == 0 else _being_shown.count + 1
-        try:
-            if _being_shown.count > _MOST_SHOWN or depth > _DEEPEST_SHOWN:
-                return "..."
-            return f"{type(self).__name__}({', '.join(self._arguments())})"
-        finally:
-            _being_shown.depth = depth
+        """Evaluates back if that takes at most 1,000 characters and no array of over 1,000 numbers. A
+        longer text tells fields of over 100 characters by class and length: `nodes=<list of 240>`."""
+        if getattr(_being_shown, "room", None) is not None:  # a part of another's text
+            return self._text(_shown)
+        whole = _text_within(_MOST_SHOWN, lambda: self._text(_shown))
+        return self._text(_shown_briefly) if whole is None else whole
 
-    def _arguments(self) -> List[str]:
+    def _text(self, shown: Callable[[Any], str]) -> str:
+        _spend(len(type(self).__name__) + 2)
         held = ((name, getattr(self, name)) for name in self._FIELDS)
-        return [f"{name}={_shown(value)}" for name, value in held
-                if value is not None and not (isinstance(value, (list, dict)) and not value)]
+        arguments = [_argument(name, value, shown) for name, value in held if _is_set(value)]
+        return f"{type(self).__name__}({', '.join(arguments)})"
 
     def __copy__(self: V) -> V:
         return _rebuild(type(self), {name: _copied(value) for name, value in _slots(self).items()},
@@ -129,12 +127,58 @@ def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) ->
     return value
 
 
+def _is_set(value: Any) -> bool:
+    return value is not None and not (isinstance(value, (list, dict)) and not value)
+
+
+def _argument(name: str, value: Any, shown: Callable[[Any], str]) -> str:
+    _spend(len(name) + 3)
+    return f"{name}={shown(value)}"
+
+
+def _spend(characters: int) -> None:
+    """Takes room off the text that is being made; raises _TooLong where there is none."""
+    room = getattr(_being_shown, "room", None)
+    if room is None:
+        return
+    if characters > room:
+        raise _TooLong
+    _being_shown.room = room - characters
+
+
+def _text_within(room: int, make: Callable[[], str]) -> Optional[str]:
+    """What `make` returns, or None where it is longer than that."""
+    _being_shown.room = room
+    try:
+        text = make()
+        return text if len(text) <= room else None
+    except _TooLong:
+        return None
+    finally:
+        _being_shown.room = None
+
+
+def _shown_briefly(value: Any) -> str:
+    text = _text_within(_MOST_OF_FIELD, lambda: _shown(value))
+    if text is not None:
+        return text
+    size = f" {value.shape}" if hasattr(value, "shape") else f" of {len(value)}" if hasattr(value, "__len__") else ""
+    return f"<{type(value).__name__}{size}>"
+
+
 def _shown(value: Any) -> str:
     """`repr`, with numpy's arrays as lists that evaluate back."""
-    if isinstance(value, list):
-        return f"[{', '.join(map(_shown, value))}]"
-    if isinstance(value, Value) or not hasattr(value, "__array_interface__"):
+    if isinstance(value, Value):
         return repr(value)
+    if isinstance(value, list):
+        _spend(2)
+        return f"[{', '.join(map(_shown, value))}]"
+    text = repr(value) if not hasattr(value, "__array_interface__") else _array_text(value)
+    _spend(len(text))
+    return text
+
+
+def _array_text(value: Any) -> str:
     if value.ndim == 0:
         return repr(value.item())
     if value.dtype.kind not in "biuf" or value.dtype.char == "g":

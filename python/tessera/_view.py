@@ -3,16 +3,22 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import (Any, Callable, Generic, Iterable, NoReturn, Optional, ParamSpec, TypeVar, overload)
+from typing import (TYPE_CHECKING, Any, Callable, Generic, Iterable, NoReturn, Optional, ParamSpec,
+                    TypeVar, overload)
 
 from . import _messages
 from ._core import Vec
 from ._messages import (BackgroundCube, BackgroundGradient, BackgroundPanorama, BackgroundRings,
                         BackgroundSunAndSky, LensFocalSurface, LensRadiusUnit, LensShape, Light,
                         Orthographic, Panoramic, Perspective, PerspectiveAxis, TransformKey)
-from ._transforms import look_at
+from ._options import number, whole
+from ._transforms import Transform, look_at, matrix
 from ._types import ColorLike, VectorLike
 from ._value import here
+from .errors import UsageError
+
+if TYPE_CHECKING:
+    from ._types import Doubles
 
 Arguments = ParamSpec("Arguments")
 Field = TypeVar("Field")
@@ -23,6 +29,67 @@ class Camera(_messages.Camera):
     """
 
     __slots__ = ()
+
+    @property
+    def pose(self) -> Doubles:
+        """world_from_camera as a 4x4 matrix of float64. The camera's x axis points right, y up and z
+        backwards, as in OpenGL: `pose @ numpy.diag([1, -1, -1, 1])` is the pose in OpenCV's axes.
+        UsageError where the camera moves by `keys`. Assigning a (3, 4) or (4, 4) matrix sets
+        world_from_camera and ends the motion."""
+        from ._numpy import numpy as np
+        if self.keys:
+            raise UsageError("pose: of a camera that moves; expected one without keys, whose transforms "
+                             "are in camera.keys")
+        pose: Doubles = np.eye(4)
+        if self.world_from_camera is not None:
+            pose[:3] = Transform(self.world_from_camera.steps).array
+        return pose
+
+    @pose.setter
+    def pose(self, rows: Doubles) -> None:
+        self.world_from_camera = matrix(rows)
+        self.keys = []
+
+    @classmethod
+    def from_intrinsics(cls, fx: float, fy: float, cx: float, cy: float, width: int, height: int, *,
+                        world_from_camera: Optional[Transform] = None,
+                        name: Optional[str] = None, description: Optional[str] = None,
+                        keys: Optional[Iterable[TransformKey]] = None, lens: Optional[Lens] = None,
+                        headlight: Optional[Light] = None, near_distance: Optional[float] = None,
+                        far_distance: Optional[float] = None, frame_all: Optional[bool] = None,
+                        **unknown: NoReturn) -> Camera:
+        """The camera of the intrinsic matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] of a calibration
+        without distortion.
+
+        Pixels are counted as OpenCV does: the middle of the top left one is (0, 0), so that a principal
+        point in the middle of the picture is ((width - 1) / 2, (height - 1) / 2). Pictures rendered
+        with `size=(width, height)` are those of the calibration; other sizes of that shape see the
+        same. Raises UsageError for numbers out of their range.
+
+        :param fx: the focal length in widths of a pixel, above 0; `fy` in heights of a pixel, from
+            fx / 1000 to 1000 fx.
+        :param cx: the principal point in pixels, `cx` to the right and `cy` down; it may lie outside.
+        :param width: the picture's columns; `height` its rows.
+        :param world_from_camera: the place, in the axes of `pose`.
+        """
+        numbers = {"fx": fx, "fy": fy, "cx": cx, "cy": cy}
+        fx, fy, cx, cy = (number(name, value) for name, value in numbers.items())
+        for axis, length in (("fx", fx), ("fy", fy)):
+            if not 0 < length < math.inf:
+                raise UsageError(f"{axis}: {length}; expected a focal length above 0, in pixels")
+        for side, count in (("width", width), ("height", height)):
+            if whole(side, count) < 1:
+                raise UsageError(f"{side}: {count}; expected at least 1 pixel")
+        # Raster points have the top left corner of the picture at (0, 0).
+        perspective = Perspective(2 * math.degrees(math.atan(width / (2 * fx))), "horizontal",
+                                  shift_x=0.5 - (cx + 0.5) / width, shift_y=(cy + 0.5) / height - 0.5,
+                                  pixel_aspect=fy / fx)
+        camera = cls(name=name, description=description, world_from_camera=world_from_camera, keys=keys,
+                     perspective=perspective, lens=lens, headlight=headlight,
+                     near_distance=near_distance, far_distance=far_distance, frame_all=frame_all,
+                     **unknown)
+        camera._place = here()
+        return camera
 
     @classmethod
     def screen(cls, eye: VectorLike, centre: VectorLike, width: float, *,

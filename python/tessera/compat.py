@@ -36,7 +36,7 @@ class MeshIntersector:
                       return_locations: bool = False, multiple_hits: bool = True,
                       ) -> Union[Tuple[Integers, Integers], Tuple[Integers, Integers, Doubles]]:
         """The triangles that are hit, and the ray of each; with `return_locations` the points too."""
-        import numpy as np
+        from ._numpy import numpy as np
         if multiple_hits:
             hits = self._tracer.intersect_all(ray_origins, ray_directions)
             ray, triangle = hits.ray, hits.primitive
@@ -59,7 +59,7 @@ class MeshIntersector:
     @tells_unknown
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Integers:
         """The first triangle that each ray hits; -1 where there is none."""
-        import numpy as np
+        from ._numpy import numpy as np
         first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
         return np.where(first.hit, first.primitive.astype(np.int64), -1)
 

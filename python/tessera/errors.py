@@ -77,9 +77,12 @@ class RenderError(Error, RuntimeError):
 
 
 class FarmError(RenderError, ConnectionError):
-    """A farm cannot be reached, or fell silent. `endpoint` is that of its coordinator."""
+    """A farm cannot be reached, or fell silent. `endpoint` is that of its coordinator, as
+    "tcp://host:7117"; None where it is not known."""
 
-    def __init__(self, message: str = "", *, endpoint: str = "", place: str = "",
+    endpoint: Optional[str] = None
+
+    def __init__(self, message: str = "", *, endpoint: Optional[str] = None, place: str = "",
                  suggestion: Optional[str] = None):
         super().__init__(message, place=place, suggestion=suggestion)
         self.endpoint = endpoint
@@ -98,7 +101,7 @@ class Cancelled(Error):
 
 
 class SceneWarning(UserWarning):
-    """Something in a file was read otherwise than might be expected."""
+    """Something in a file was read, or is left out of one, otherwise than might be expected."""
 
 
 class PrecisionWarning(UserWarning):

@@ -4,6 +4,7 @@ from __future__ import annotations
 import functools
 import json
 import os
+import warnings
 from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoReturn, Optional, Tuple,
                     Union, overload)
 
@@ -11,8 +12,8 @@ from . import _core
 from ._array import as_ndarray, plain_array
 from ._options import boolean, file_name, named_text, option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
-from ._value import refuse_unknown
-from .errors import MissingFile, UsageError
+from ._value import level_of_caller, refuse_unknown
+from .errors import MissingFile, SceneWarning, UsageError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -76,16 +77,18 @@ class Image:
     `stats` is what `tessera render --stats` writes; `holes` are tiles that nobody could trace.
     """
 
-    __slots__ = ("_picture", "__dict__")
+    __slots__ = ("_picture", "_has_16_bits", "__dict__")
     _picture: _core.Picture
+    _has_16_bits: bool  # it was made of integers of 16 bits
 
     def __init__(self) -> None:
         raise TypeError("Image: made by render(), read_image() or Image.from_array()")
 
     @classmethod
-    def _of(cls, picture: _core.Picture) -> "Image":
+    def _of(cls, picture: _core.Picture, has_16_bits: bool = False) -> "Image":
         image = cls.__new__(cls)
         object.__setattr__(image, "_picture", picture)
+        object.__setattr__(image, "_has_16_bits", has_16_bits)
         return image
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
@@ -98,8 +101,10 @@ class Image:
         :param linear: whether they are linear light, or codes in sRGB as most files hold. Left out:
             floats are light; uint8 and uint16, from 0 to their largest value, are codes.
         """
-        light = _light_of(array, None if linear is None else boolean("linear", linear))
-        return cls._of(_core.picture_from_values(light.shape[1], light.shape[0], light))
+        values: npt.NDArray[Any] = plain_array("array", array)
+        light = _light_of(values, None if linear is None else boolean("linear", linear))
+        picture = _core.picture_from_values(light.shape[1], light.shape[0], light)
+        return cls._of(picture, values.dtype.kind == "u" and values.dtype.itemsize == 2)
 
     @property
     def width(self) -> int:
@@ -158,7 +163,8 @@ class Image:
         values: npt.NDArray[np.uint8] = as_ndarray(self._picture.to_srgb(option_texts(output)))
         return values
 
-    def save(self, *paths: Path, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+    def save(self, *paths: Path, bits: Optional[Literal[8, 16]] = None,
+             exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
              transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
              ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
              ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
@@ -166,6 +172,11 @@ class Image:
         """Writes files whose endings name their formats. Each appears whole or not at all; where some
         cannot be written, the others are all the same. What is left out is as the scene says.
 
+        Raises UsageError for a picture made of uint16 whose values a file of 8 bits would round, unless
+        `bits=8` asks for that. A SceneWarning tells of AOVs that none of the files has room for.
+
+        :param bits: of a channel in files of integers, 8 or, for PNG and TIFF, 16; default 8. Files of
+            floats (EXR, HDR, PFM) hold the light as it is.
         :param exposure: stops by which light is made brighter, before all else; default 0.
         :param tone_map: how light above 1 is shown; default "clamp".
         :param transfer: how light becomes 8-bit numbers; default "srgb".
@@ -178,10 +189,23 @@ class Image:
                   "ocio_view": ocio_view, "ocio_display": ocio_display, "ocio_space": ocio_space,
                   "ocio_input": ocio_input}
         if unknown:
-            refuse_unknown("save", unknown, list(output))
+            refuse_unknown("save", unknown, ["bits", *output])
         if not paths:
             raise TypeError("save: no path; expected at least one")
-        self._picture.save([file_name(path) for path in paths], option_texts(output))
+        names = [file_name(path) for path in paths]
+        if bits is None and self._has_16_bits:
+            self._refuse_rounding(names)
+        self._picture.save(names, option_texts({"bits": bits, **output}))
+        if self.aovs and not any(map(_core.holds_aovs, names)):
+            warnings.warn(f"save: {os.fsdecode(names[0])!r} has no room for {', '.join(self.aovs)}; expected "
+                          "an EXR file among those saved", SceneWarning, stacklevel=level_of_caller())
+
+    def _refuse_rounding(self, names: List[bytes]) -> None:
+        """Raises UsageError where one of the files would hold fewer bits than the array did."""
+        for name in names:
+            if not _core.holds_floats(name):
+                raise UsageError(f"bits: left out for {os.fsdecode(name)!r}, of a picture made of uint16; "
+                                 "expected 16, which PNG and TIFF hold, or 8 to round it")
 
     def apply(self, f: Callable[[Floats], ArrayLike]) -> "Image":
         """The picture with other light: `f` of that of this one, an array (h, w, 3). All else is
@@ -228,7 +252,7 @@ class Image:
         return shown._picture.encode("shown.png", [])
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return _unpickled, (_core.picture_state(self._picture),)
+        return _unpickled, (_core.picture_state(self._picture), self._has_16_bits)
 
     def __copy__(self) -> Image:
         return self
@@ -237,13 +261,13 @@ class Image:
         return self
 
 
-def _unpickled(state: Any) -> Image:
-    return Image._of(_core.picture_of_state(state))
+def _unpickled(state: Any, has_16_bits: bool = False) -> Image:
+    return Image._of(_core.picture_of_state(state), has_16_bits)
 
 
 def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
     """The array as linear light, (h, w, 3)."""
-    import numpy
+    from ._numpy import numpy
     values: npt.NDArray[Any] = plain_array("array", array)
     if values.ndim == 2:
         values = numpy.repeat(values[:, :, None], 3, axis=2)

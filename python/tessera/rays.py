@@ -55,7 +55,7 @@ def _thread_count(threads: Optional[int]) -> int:
 
 def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
     """`value` as an array of float64, or of float32 where it is that."""
-    import numpy as np
+    from ._numpy import numpy as np
     array: AnyArray = plain_array(name, value)
     if array.dtype == object or not np.can_cast(array.dtype, np.float64, "safe"):
         # Whole numbers of 64 bits lose their last bits by numpy's rule, and are taken all the same.
@@ -76,7 +76,7 @@ def _vectors(name: str, value: ArrayLike) -> Rows:
 
 def _broadcast(named: Sequence[Tuple[str, ArrayShape]]) -> ArrayShape:
     """The leading shape that all broadcast to."""
-    import numpy as np
+    from ._numpy import numpy as np
     try:
         return np.broadcast_shapes(*(shape for _, shape in named))
     except ValueError:
@@ -86,7 +86,7 @@ def _broadcast(named: Sequence[Tuple[str, ArrayShape]]) -> ArrayShape:
 
 def _rows(array: Rows, shape: ArrayShape) -> Rows:
     """(n, 3), without a copy wherever one stride leads from row to row."""
-    import numpy as np
+    from ._numpy import numpy as np
     return np.broadcast_to(array, shape + (3,)).reshape(-1, 3)
 
 
@@ -118,7 +118,7 @@ class _Rays:
         return (origins, directions), (empty_origins, empty_directions)
 
     def _to_keep(self, given: Rows, rows: Rows) -> Tuple[Rows, Optional[Doubles]]:
-        import numpy as np
+        from ._numpy import numpy as np
         if not (_can_change(given) and np.may_share_memory(given, rows)):
             return rows, None
         if given.size < rows.size:  # one row for all rays
@@ -128,7 +128,7 @@ class _Rays:
 
     def _end(self, end: Rows) -> Union[float, Doubles]:
         """One number, or one for each ray."""
-        import numpy as np
+        from ._numpy import numpy as np
         if end.ndim == 0:
             return float(end)
         return np.ascontiguousarray(np.broadcast_to(end, self.shape), np.float64).reshape(-1)
@@ -168,7 +168,7 @@ class Tracer:
                   fields: Union[None, HitField, Iterable[HitField]] = None) -> Hits:
         """The closest hit of each ray. `fields` names what is wanted of t, instance, primitive and
         uv; all, if it is left out."""
-        import numpy as np
+        from ._numpy import numpy as np
         wanted: Sequence[HitField] = (_FIELDS if fields is None else [fields] if isinstance(fields, str)
                                       else several(fields, "fields", _SOME_FIELDS))
         if not wanted:
@@ -193,7 +193,7 @@ class Tracer:
                  t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                  threads: Optional[int] = None) -> Bools:
         """Whether each ray hits anything."""
-        import numpy as np
+        from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, bool)
         self._core.occluded(rays.origins, rays.directions, *rays.ends,
@@ -207,7 +207,7 @@ class Tracer:
                       t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                       threads: Optional[int] = None) -> AllHits:
         """All hits of each ray, each once."""
-        import numpy as np
+        from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         kept, empty = rays.to_keep()
         offsets, *arrays = (np.asarray(a) for a in self._core.intersect_all(
@@ -221,7 +221,7 @@ class Tracer:
                   threads: Optional[int] = None) -> npt.NDArray[np.int32]:
         """How often each ray passes from front to back, less how often from back to front. Through
         an edge or vertex of a mesh it passes once."""
-        import numpy as np
+        from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, np.int32)
         self._core.crossings(rays.origins, rays.directions, *rays.ends, self._threads(threads), out)
@@ -241,7 +241,7 @@ class Tracer:
             closed meshes and solids both say the same.
         :param closed: what "parity" does with meshes that are not closed: SceneWarning tells of the
             first, or UsageError refuses it, as always where `shape` means it."""
-        import numpy as np
+        from ._numpy import numpy as np
         by_winding = _choice("method", method, _METHODS) == "winding"
         refuses = _choice("closed", closed, ("warn", "error")) == "error"
         if not by_winding and shape is None:
@@ -289,12 +289,14 @@ class Tracer:
     def camera_rays(self, size: Optional[Tuple[int, int]] = None, camera: Optional[str] = None,
                     ) -> Tuple[Doubles, Doubles]:
         """Origins, in metres, and unit directions, both float64 (height, width, 3) on the axes of the
-        world, of the rays through the middles of the pixels of a frame; row 0 is the top.
+        world, of the rays through the middles of the pixels of a frame; row 0 is the top. They are
+        those of a pinhole without bounds: the camera's lens, `near_distance` and `far_distance` have no
+        part in them; give the distances to queries as `t_min` and `t_max`.
 
         :param size: (width, height); left out, that of the scene.
         :param camera: the name of one; left out, the tracer's.
         """
-        import numpy as np
+        from ._numpy import numpy as np
         sides = several(self._core.size() if size is None else size, "size")
         if len(sides) != 2 or not all(0 < whole("size", side) <= 65536 for side in sides):
             raise UsageError(f"size: {size}; expected (width, height), whole numbers from 1 to 65536")
@@ -312,7 +314,7 @@ class Tracer:
 
         :param directions: one for each hit, or one for all; of any length.
         """
-        import numpy as np
+        from ._numpy import numpy as np
         if not isinstance(hits, Located):
             raise TypeError(f"hits: {hits!r:.100}; expected Hits or AllHits")
         away = _vectors("directions", directions)
@@ -329,7 +331,7 @@ class Tracer:
     def bounds(self) -> Doubles:
         """The least and the largest corner around all that ends somewhere, float64 (2, 3): metres on
         the axes of the world. Infinite, the least above the largest, where there is nothing such."""
-        import numpy as np
+        from ._numpy import numpy as np
         return np.asarray(self._core.bounds())
 
     @property

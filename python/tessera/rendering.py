@@ -182,11 +182,13 @@ class Task(OfThisProcess):
             await asyncio.get_running_loop().run_in_executor(None, self._farm.close)
         return self._finish()
 
-    def show(self) -> Image:
-        """Waits for the picture; in a notebook one output is updated while it fills in."""
+    def show(self) -> None:
+        """Waits for the picture, which `result` then returns at once; in a notebook one output is updated
+        while it fills in. Raises what `result` does."""
         ipython = sys.modules.get("IPython")
         if ipython is None or ipython.get_ipython() is None:
-            return self.result()  # a plain script, which has nothing to update
+            self.result()  # a plain script, which has nothing to update
+            return
         shown: Any = None
         for _ in self:
             picture = self.snapshot()
@@ -196,7 +198,7 @@ class Task(OfThisProcess):
                 shown = ipython.display.display(picture, display_id=True)
             else:
                 shown.update(picture)
-        return self.result()
+        self.result()
 
     def __enter__(self) -> "Task":
         self._check_process()

@@ -19,6 +19,7 @@ struct HalfSize {
 /// Half of the image at distance 1. The side that `axis` names spans the angle (ISO/IEC 19775-1,
 /// 23.3.1 for the smaller one).
 HalfSize perspective_window(const CameraSettings& settings, double width, double height) {
+  width *= settings.pixel_aspect;
   double side = std::min(width, height);
   switch (settings.axis) {
     case CameraSettings::Axis::smaller:
@@ -65,6 +66,11 @@ double middle_seen(std::span<const Vec3> points, int axis, double z) {
   return middle;
 }
 
+/// The point of the image at distance 1 that lies in the frame's middle.
+Vec2 window_center(const CameraSettings& settings, const HalfSize& half) {
+  return {2 * half.x * settings.shift.x, 2 * half.y * settings.shift.y};
+}
+
 }  // namespace
 
 Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height)
@@ -90,6 +96,7 @@ Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height
   switch (projection_) {
     case Projection::perspective:
       half = perspective_window(settings, width, height);
+      center = window_center(settings, half);
       break;
     case Projection::orthographic: {
       center = {(settings.min_x + settings.max_x) / 2, (settings.min_y + settings.max_y) / 2};
@@ -135,12 +142,16 @@ CameraSettings framed_view(const CameraSettings& settings, int frame_width, int 
   if (points.empty() || (!is_perspective && settings.projection != Projection::orthographic))
     return out;
   const Camera camera(settings, frame_width, frame_height);
+  const HalfSize window = perspective_window(settings, frame_width, frame_height);
+  const Vec2 center = is_perspective ? window_center(settings, window) : Vec2{};
+  // Sheared so that a shifted window is in the middle, the move of the eye likewise.
   std::vector<Vec3> seen;  // across, up and away from the eye
   Bounds3 box;
   for (const Point3& point : points) {
     const Vec3 offset = point - camera.position();
-    seen.push_back(
-        {dot(offset, camera.right()), dot(offset, camera.up()), dot(offset, camera.view())});
+    const double away = dot(offset, camera.view());
+    seen.push_back({dot(offset, camera.right()) - center.x * away,
+                    dot(offset, camera.up()) - center.y * away, away});
     box.extend(Point3{} + seen.back());
   }
   constexpr double kMargin = 1.04;  // of the picture's side over that of what is seen
@@ -148,7 +159,6 @@ CameraSettings framed_view(const CameraSettings& settings, int frame_width, int 
   const double before = std::max(settings.near_distance * kMargin, 1e-3 * size.z);
   Vec3 move;
   if (is_perspective) {
-    const HalfSize window = perspective_window(settings, frame_width, frame_height);
     const double half[] = {window.x / kMargin, window.y / kMargin};
     move.z = box.min.z - before;
     for (int a = 0; a < 2; ++a) move.z = std::min(move.z, farthest_eye(seen, a, half[a]));
@@ -162,7 +172,8 @@ CameraSettings framed_view(const CameraSettings& settings, int frame_width, int 
       out.min_y = box.min.y - pad.y, out.max_y = box.max.y + pad.y;
     }
   }
-  const Vec3 to = camera.right() * move.x + camera.up() * move.y + camera.view() * move.z;
+  const Vec3 to = camera.right() * (move.x + center.x * move.z) +
+                  camera.up() * (move.y + center.y * move.z) + camera.view() * move.z;
   for (size_t row = 0; row < 3; ++row) out.world_from_camera.m[row][3] += to[static_cast<int>(row)];
   return out;
 }

@@ -21,6 +21,10 @@ struct CameraSettings {
   Projection projection = Projection::perspective;
   double field_of_view = 0.78539816339744830962;  ///< radians over `axis`; vertical if panoramic
   Axis axis = Axis::smaller;
+  /// How far the middle of the frame lies right of the view axis and above it, in widths and
+  /// heights of the frame, and the width of a pixel over its height. Perspective only.
+  Vec2 shift{};
+  double pixel_aspect = 1;
   /// The orthographic window in metres; its shorter side grows to the frame's shape.
   double min_x = -1, min_y = -1, max_x = 1, max_y = 1;
   double near_distance = 0;  ///< metres along the ray; 0: no bound

@@ -87,11 +87,11 @@ Rgb before_transfer(const OutputSettings& settings, double scale, const float* l
   return c;
 }
 
-template <typename Convert>
-std::vector<uint8_t> convert(const Film& film, const OutputSettings& settings, Convert to_byte) {
+template <typename Integer, typename Convert>
+std::vector<Integer> convert(const Film& film, const OutputSettings& settings, Convert to_integer) {
   const std::span<const float> values = film.values();
   const double scale = exposure_scale(settings);
-  std::vector<uint8_t> result(values.size());
+  std::vector<Integer> result(values.size());
   constexpr size_t kPart = size_t{1 << 15} * kFilmChannels;
   const bool is_plain =
       scale == 1 && !settings.has_response &&
@@ -101,13 +101,13 @@ std::vector<uint8_t> convert(const Film& film, const OutputSettings& settings, C
     if (is_plain) {  // what before_transfer() comes to
       for (size_t i = part * kPart; i < end; ++i) {
         const double v = values[i];
-        result[i] = to_byte(v > 0 ? std::min(v, 1.0) : 0.0);
+        result[i] = to_integer(v > 0 ? std::min(v, 1.0) : 0.0);
       }
       return;
     }
     for (size_t i = part * kPart; i < end; i += kFilmChannels) {
       const Rgb mapped = before_transfer(settings, scale, &values[i]);
-      for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_byte(mapped[c]);
+      for (size_t c = 0; c < kFilmChannels; ++c) result[i + c] = to_integer(mapped[c]);
     }
   };
   for_each_parallel((values.size() + kPart - 1) / kPart, core_count(), convert_part);
@@ -118,10 +118,11 @@ double transferred(const OutputSettings& settings, double v) {
   return std::clamp(apply_transfer(settings, v), 0.0, 1.0);
 }
 
-/// `value` in [0, 1] to a byte.
-uint8_t quantize(double value, Quantization how) {
-  const double scaled = value * 255;
-  return static_cast<uint8_t>(how == Quantization::round ? scaled + 0.5 : scaled);
+/// `value` in [0, 1] to an integer, of which the largest stands for 1.
+template <typename Integer>
+Integer quantize(double value, Quantization how) {
+  const double scaled = value * std::numeric_limits<Integer>::max();
+  return static_cast<Integer>(how == Quantization::round ? scaled + 0.5 : scaled);
 }
 
 /// The transfer curve and the quantization as a function from [0, 1] to bytes. A power a pixel
@@ -137,7 +138,8 @@ class ByteTable {
       while (true) {
         const double middle = low + (high - low) / 2;
         if (middle <= low || middle >= high) break;
-        const bool reached = quantize(transferred(settings, middle), settings.quantization) >= byte;
+        const bool reached =
+            quantize<uint8_t>(transferred(settings, middle), settings.quantization) >= byte;
         (reached ? high : low) = middle;
       }
       thresholds_[byte - 1] = high;
@@ -188,10 +190,17 @@ void expose(Film& film, const OutputSettings& settings) {
 
 std::vector<uint8_t> to_8_bit(const Film& film, const OutputSettings& settings) {
   if (settings.transfer == TransferCurve::display) {
-    return convert(film, settings, [&](double v) { return quantize(v, settings.quantization); });
+    return convert<uint8_t>(film, settings,
+                            [&](double v) { return quantize<uint8_t>(v, settings.quantization); });
   }
   const ByteTable& table = byte_table(settings);
-  return convert(film, settings, [&](double v) { return table.byte_of(v); });
+  return convert<uint8_t>(film, settings, [&](double v) { return table.byte_of(v); });
+}
+
+std::vector<uint16_t> to_16_bit(const Film& film, const OutputSettings& settings) {
+  return convert<uint16_t>(film, settings, [&](double v) {
+    return quantize<uint16_t>(transferred(settings, v), settings.quantization);
+  });
 }
 
 }  // namespace tessera

@@ -35,6 +35,7 @@ struct OutputSettings {
   double gamma = 2.2;   ///< > 0
   double exposure = 0;  ///< stops
   Quantization quantization = Quantization::round;
+  int bits = 8;  ///< of a channel in files of integers: 8 or 16
   /// a x^2 + b x + c per channel clamped to [0, 1], before the transfer curve.
   bool has_response = false;
   std::array<double, 3> response{0, 1, 0};
@@ -50,5 +51,7 @@ void expose(Film& film, const OutputSettings& settings);
 /// transfer curve and quantization, in that order. Not a number becomes 0, infinity the largest
 /// value. Colour management is not looked at.
 std::vector<uint8_t> to_8_bit(const Film& film, const OutputSettings& settings);
+/// Likewise with 16 bits a channel.
+std::vector<uint16_t> to_16_bit(const Film& film, const OutputSettings& settings);
 
 }  // namespace tessera

@@ -30,16 +30,17 @@ struct Format {
   const char* name;  ///< as OpenImageIO calls it; null: it can not write it, we do
   bool is_float;
   bool has_channels = false;  ///< as many as there are, with names
+  bool holds_16_bits = false;
 };
 
-constexpr std::array<Format, 15> kFormats{{{"png", "png", false},
-                                           {"apng", "png", false},
+constexpr std::array<Format, 15> kFormats{{{"png", "png", false, false, true},
+                                           {"apng", "png", false, false, true},
                                            {"exr", "openexr", true, true},
                                            {"jpg", "jpeg", false},
                                            {"jpeg", "jpeg", false},
                                            {"bmp", "bmp", false},
-                                           {"tif", "tiff", false},
-                                           {"tiff", "tiff", false},
+                                           {"tif", "tiff", false, false, true},
+                                           {"tiff", "tiff", false, false, true},
                                            {"tga", "targa", false},
                                            {"ppm", "pnm", false},
                                            {"webp", "webp", false},
@@ -113,12 +114,25 @@ void convert_colors(const ColorManagement& names, Film& film) {
   std::ranges::copy(*answer.payload, values.begin());
 }
 
+/// The film's light as `quantize` makes it integers, by colour management where that is asked for.
+template <typename Quantize>
+auto shown(const Film& film, const OutputSettings& settings, const Quantize& quantize) {
+  if (!settings.color_management) return quantize(film, settings);
+  Film converted(film.rect());
+  std::ranges::copy(film.values(), converted.values().begin());
+  expose(converted, settings);
+  convert_colors(*settings.color_management, converted);
+  return quantize(converted,
+                  {.transfer = TransferCurve::display, .quantization = settings.quantization});
+}
+
 BlobData encode(const Format& format, const Film& film, const OutputSettings& settings,
                 const ImageMetadata& metadata) {
   ImageRequest request;
   request.call = ImageRequest::encode;
   copy_text(format.name, request.format);
-  request.layout = {film.width(), film.height(), film.channels(), format.is_float ? 32 : 8};
+  request.layout = {film.width(), film.height(), film.channels(),
+                    format.is_float ? 32 : settings.bits};
   if (format.has_channels) {
     copy_text(fmt::format("{}", fmt::join(film.aovs().channel_names(), ",")),
               request.channel_names);
@@ -130,11 +144,12 @@ BlobData encode(const Format& format, const Film& film, const OutputSettings& se
   copy_text(metadata.denoiser, request.attributes.denoiser);
   request.attributes.seed = metadata.seed;
   request.attributes.samples_per_pixel = metadata.samples_per_pixel;
-  if (format.is_float) {
-    return ImageCodec::shared().call(request, as_text(std::as_bytes(film.values()))).payload;
-  }
-  const std::vector<uint8_t> bytes = shown_bytes(film, settings);
-  return ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(bytes)))).payload;
+  const auto encoded = [&request](const auto& values) {
+    return ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(values)))).payload;
+  };
+  if (format.is_float) return encoded(film.values());
+  if (settings.bits == 16) return encoded(shown(film, settings, to_16_bit));
+  return encoded(shown(film, settings, to_8_bit));
 }
 
 /// The file in memory that the codec can be handed, and its format.
@@ -245,22 +260,28 @@ void check_color_management(const ColorManagement& names) {
 }
 
 std::vector<uint8_t> shown_bytes(const Film& film, const OutputSettings& settings) {
-  if (!settings.color_management) return to_8_bit(film, settings);
-  Film shown(film.rect());
-  std::ranges::copy(film.values(), shown.values().begin());
-  expose(shown, settings);
-  convert_colors(*settings.color_management, shown);
-  return to_8_bit(shown,
-                  {.transfer = TransferCurve::display, .quantization = settings.quantization});
+  return shown(film, settings, to_8_bit);
 }
 
 bool holds_aovs(const fs::path& path) { return format_of(path).has_channels; }
 
 bool holds_floats(const fs::path& path) { return format_of(path).is_float; }
 
+void check_bits(const fs::path& path, const OutputSettings& settings) {
+  const Format& format = format_of(path);
+  if (settings.bits == 8 || format.is_float || format.holds_16_bits) return;
+  std::vector<std::string> holding;
+  for (const Format& each : kFormats) {
+    if (each.holds_16_bits) holding.push_back(fmt::format(".{}", each.ending));
+  }
+  throw usage_error(fmt::format("--bits {}: '{}' holds 8; expected one of {}", settings.bits,
+                                path.string(), fmt::join(holding, ", ")));
+}
+
 std::string encode_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                          const ImageMetadata& metadata) {
   const Format& format = format_of(path);
+  check_bits(path, settings);
   if (!film.aovs().empty() && !format.has_channels) {
     return encode_image(path, film.with_only({}), settings, metadata);
   }

@@ -73,9 +73,13 @@ bool holds_aovs(const std::filesystem::path& path);
 /// Whether the format that the ending names takes any number.
 bool holds_floats(const std::filesystem::path& path);
 
+/// Throws a usage error where the settings ask for more bits than the format of integers has that
+/// the ending names: PNG and TIFF have 16.
+void check_bits(const std::filesystem::path& path, const OutputSettings& settings);
+
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
-/// one is made 8 bits by `settings`. What is beside light goes where holds_aovs(). It is encoded in
-/// memory, then goes through write_output_file. Throws a render error where either fails.
+/// one is made integers by `settings`. What is beside light goes where holds_aovs(). It is encoded
+/// in memory, then goes through write_output_file. Throws a render error where either fails.
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
 

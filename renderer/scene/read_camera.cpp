@@ -40,6 +40,13 @@ void read_perspective(const Where& where, const v1::Perspective& in, CameraSetti
         portable::radians(checked(where, "perspective.field_of_view", in.field_of_view(),
                                   {.min = 0, .max = 180, .above_min = true, .below_max = true}));
   }
+  constexpr Range kShift{.min = -1000, .max = 1000};
+  out.shift = {checked(where, "perspective.shift_x", in.shift_x(), kShift),
+               checked(where, "perspective.shift_y", in.shift_y(), kShift)};
+  if (in.pixel_aspect() != 0) {
+    out.pixel_aspect =
+        checked(where, "perspective.pixel_aspect", in.pixel_aspect(), {.min = 0.001, .max = 1000});
+  }
   switch (in.axis()) {
     case v1::Perspective::VERTICAL:
       out.axis = CameraSettings::Axis::vertical;

@@ -1,6 +1,8 @@
 """Arrays between Python and Tessera: what is taken, shared, copied, refused and handed out."""
+import copy
 import ctypes
 import gc
+import pickle
 import warnings
 
 import numpy as np
@@ -254,11 +256,28 @@ def test_the_move_that_is_told_is_that_of_a_vertex():
     far = np.array([(2.0 ** 24, 2.0 ** 24, 2.0 ** 24)] * 3) + [(0, 0, 0), (1, 1, 1), (4, 0, 0)]
     with pytest.warns(ts.PrecisionWarning, match=r"rounded by up to 1\.73 m"):
         ts.Mesh(far)
-    # On each axis it is less than 2^-24 of the extent.
-    beside = 2.0 ** -24 * .7
-    near = np.array([(1 + beside, 1 + beside, 1 + beside), (2, 1, 1), (1, 2, 1)])
-    with pytest.warns(ts.PrecisionWarning, match="rounded by up to 7.2"):
-        ts.Mesh(near)
+    # On each axis it is less than a millionth of the extent.
+    beside = 8 + 7e-7
+    near = np.array([(beside, beside, beside), (9, 8, 8), (8, 9, 8)])
+    with pytest.warns(ts.PrecisionWarning, match="rounded by up to .*e-0[67] m") as told:
+        ts.Mesh(near + [16, 16, 16])
+    assert len(told) == 1
+
+
+def test_rounding_that_matters_is_told_once_a_mesh():
+    corners = np.array([(0, 0, 0), (1, .1, 0), (.3, 1, .7)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ts.Mesh(corners + [2, 1, 1])
+        ts.Mesh(1e-9 * (corners + [2, 1, 1]))
+    with pytest.warns(ts.PrecisionWarning):
+        ts.Mesh(1e-3 * corners + [.2, 17, 1])
+    with pytest.warns(ts.PrecisionWarning) as told:
+        mesh = ts.Mesh(corners + 1e6)
+        mesh.positions = corners + 2e6
+        copy.copy(mesh).positions = corners + 3e6
+        pickle.loads(pickle.dumps(mesh)).positions = corners + 4e6
+    assert len(told) == 1
 
 
 def test_rounding_is_told_and_avoided():

@@ -267,3 +267,29 @@ def test_the_command_line_without_a_program_says_so_in_one_line():
     told = command_line("--version", TESSERA_PROGRAM="/none/tessera")
     assert told.returncode == 1 and told.stderr.startswith("tessera: /none/tessera: ")
     assert told.stderr.count("\n") == 1
+
+
+# ---- numpy
+
+@pytest.mark.parametrize("call", [
+    "ts.Image.from_array([[1.0]])", "ts.Scene().tracer().intersect((0, 0, 1), (0, 0, -1))",
+    "ts.translate(1, 2, 3) @ [(0, 0, 0)]", "ts.Camera().pose", "ts.Scene().tracer().camera_rays((2, 2))"])
+def test_a_call_that_needs_numpy_names_its_package(call):
+    told = run(f"""
+import sys
+sys.modules["numpy"] = None
+import tessera as ts
+try:
+    {call}
+except ImportError as error:
+    print(error)
+""")
+    assert told.stdout == ("numpy: not installed; expected Debian's package python3-numpy, as this call takes "
+                           "or gives arrays\n"), told.stderr
+
+
+def test_nothing_of_the_module_is_seen_by_others():
+    told = subprocess.run(["nm", "-D", "--defined-only", _core.__file__], capture_output=True, text=True,
+                          check=True)
+    names = [line.split()[-1] for line in told.stdout.splitlines()]
+    assert names == ["PyInit__core"]

@@ -1,5 +1,6 @@
 """The keywords of render() are the options of the command line."""
 import inspect
+import pathlib
 import re
 import warnings
 
@@ -18,7 +19,7 @@ INSTEAD = {
     "help": "help()",
 }
 OUTPUT = {"exposure", "tone-map", "transfer", "gamma", "ocio-view", "ocio-display", "ocio-space",
-          "ocio-input"}  # keywords of save() and to_srgb()
+          "ocio-input", "bits"}  # keywords of save(), and all but the last of to_srgb()
 OF_PYTHON = {"scene", "unknown", "frame", "farm", "progress", "on_tile", "wait"}
 
 
@@ -85,7 +86,12 @@ def test_arguments_of_another_type_are_told(call, message):
 def test_options_of_numbers_are_those_of_pictures():
     keywords = set(inspect.signature(ts.Image.save).parameters) - {"self", "paths", "unknown"}
     assert keywords == {name.replace("-", "_") for name in OUTPUT}
-    assert set(inspect.signature(ts.Image.to_srgb).parameters) - {"self", "unknown"} == keywords
+    assert set(inspect.signature(ts.Image.to_srgb).parameters) - {"self", "unknown"} == keywords - {"bits"}
+
+
+def test_options_without_a_keyword_are_in_the_guide():
+    guide = (pathlib.Path(__file__).parents[2] / "docs/python.md").read_text(encoding="utf-8")
+    assert all(f"`--{name}`" in guide for name in ("tev", "quiet", "trace", "progressive"))
 
 
 def test_every_keyword_is_documented():

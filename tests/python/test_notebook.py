@@ -14,16 +14,19 @@ from test_pictures import decoded_png
 NOTEBOOK = pathlib.Path(__file__).parents[2] / "examples" / "quickstart.ipynb"
 
 
-@pytest.fixture(scope="module")
-def cells(tmp_path_factory):
+def executed(notebook, folder):
     """The outputs of each code cell."""
-    folder = tmp_path_factory.mktemp("notebook")
     command = ["-m", "nbconvert", "--to", "notebook", "--execute", "--output-dir", folder, "--output", "done",
-               "--ExecutePreprocessor.timeout=300", NOTEBOOK]
+               "--ExecutePreprocessor.timeout=300", notebook]
     subprocess.run([sys.executable, *map(str, command)], cwd=folder, check=True, capture_output=True,
                    env={**os.environ, "HOME": str(folder), "JUPYTER_PREFER_ENV_PATH": "1"})
     done = json.loads((folder / "done.ipynb").read_text(encoding="utf-8"))
     return [cell["outputs"] for cell in done["cells"] if cell["cell_type"] == "code"]
+
+
+@pytest.fixture(scope="module")
+def cells(tmp_path_factory):
+    return executed(NOTEBOOK, tmp_path_factory.mktemp("notebook"))
 
 
 def tables(outputs):
@@ -50,6 +53,17 @@ def test_an_image_is_shown_by_the_bytes_of_its_png(cells):
 def test_a_task_updates_one_output(cells):
     shown = pictures(cells[1])
     assert len(shown) == 1 and shown[0].any()
+
+
+def test_a_task_on_the_last_line_is_shown_once(tmp_path):
+    notebook = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
+    cell = next(cell for cell in notebook["cells"] if cell["cell_type"] == "code")
+    cell["source"] = ["import tessera as ts\n", "scene = ts.Scene(width=64, height=36, background='red')\n",
+                      "scene.render(wait=False).show()"]
+    notebook["cells"] = [cell]
+    (tmp_path / "last.ipynb").write_text(json.dumps(notebook), encoding="utf-8")
+    outputs, = executed(tmp_path / "last.ipynb", tmp_path)
+    assert len(pictures(outputs)) == 1
 
 
 def test_arrays_are_shown_as_pictures(cells):

@@ -8,6 +8,7 @@ import pathlib
 import pickle
 import re
 import struct
+import warnings
 import zlib
 
 import numpy as np
@@ -24,7 +25,7 @@ def image():
 
 
 def decoded_png(data):
-    """The pixels of an RGB PNG of 8 bits whose rows are filtered in any way."""
+    """The pixels of an RGB PNG whose rows are filtered in any way."""
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, packed = 8, b""
     while at < len(data):
@@ -32,24 +33,28 @@ def decoded_png(data):
         body = data[at + 8:at + 8 + length]
         if kind == b"IHDR":
             width, height, bits, colour = struct.unpack(">IIBB", body[:10])
-            assert (bits, colour) == (8, 2)
+            assert bits in (8, 16) and colour == 2
         if kind == b"IDAT":
             packed += body
         at += length + 12
     raw = zlib.decompress(packed)
-    out = np.zeros((height, width * 3), np.int64)
-    above = np.zeros(width * 3, np.int64)
+    pixel = 3 * bits // 8
+    length = width * pixel
+    out = np.zeros((height, length), np.int64)
+    above = np.zeros(length, np.int64)
     for y in range(height):
-        start = y * (1 + width * 3)
-        kind, line = raw[start], np.frombuffer(raw, np.uint8, width * 3, start + 1).astype(np.int64)
-        row = np.zeros(width * 3, np.int64)
-        for x in range(width * 3):
-            a, b, c = (row[x - 3], above[x], above[x - 3]) if x >= 3 else (0, above[x], 0)
+        start = y * (1 + length)
+        kind, line = raw[start], np.frombuffer(raw, np.uint8, length, start + 1).astype(np.int64)
+        row = np.zeros(length, np.int64)
+        for x in range(length):
+            a, b, c = (row[x - pixel], above[x], above[x - pixel]) if x >= pixel else (0, above[x], 0)
             p = a + b - c
             paeth = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
             row[x] = line[x] + (0, a, b, (a + b) // 2, paeth)[kind] & 255
         out[y] = above = row
-    return out.reshape(height, width, 3).astype(np.uint8)
+    if bits == 16:
+        out = out[:, ::2] * 256 + out[:, 1::2]
+    return out.reshape(height, width, 3).astype(f"u{bits // 8}")
 
 
 def test_shapes_and_types(image):
@@ -79,7 +84,7 @@ def test_light_without_aovs_is_a_view_of_the_film():
 
 
 def test_the_bytes_of_the_png(image, tmp_path):
-    image.save(tmp_path / "x.png", tmp_path / "bright.png", exposure=1.5, tone_map="filmic")
+    image.save(tmp_path / "x.png", tmp_path / "bright.png", tmp_path / "x.exr", exposure=1.5, tone_map="filmic")
     again = image.to_srgb(exposure=1.5, tone_map="filmic")
     assert (decoded_png((tmp_path / "x.png").read_bytes()) == again).all()
     assert (decoded_png(image._repr_png_()) == image.to_srgb()).all()
@@ -308,7 +313,7 @@ def test_a_comparison_has_what_the_command_line_tells(image, tmp_path, tessera):
     assert ours.max_of[2] == np.inf and ours.max_of[0] >= np.float32(.1) - 1e-6
 
     for path in (tmp_path / "a.png", tmp_path / "b.png"):
-        (image if path.name == "b.png" else ts.Image.from_array(image.linear * .9)).save(path)
+        ts.Image.from_array(image.linear if path.name == "b.png" else image.linear * .9).save(path)
     told = tessera("compare", tmp_path / "a.png", tmp_path / "b.png", "--metrics", check=False)
     ours = ts.compare(tmp_path / "a.png", tmp_path / "b.png")
     for label, value in {"linear rmse": ours.rmse, "SSIM": ours.ssim, "FLIP": ours.flip}.items():
@@ -472,3 +477,57 @@ def test_views_are_those_of_the_configuration_named_now(tmp_path, monkeypatch):
     monkeypatch.setenv("OCIO", str(tmp_path / "fifo"))
     with pytest.raises(ts.UsageError, match="fifo': no regular file"):
         picture.to_srgb(ocio_view="scaled")
+
+
+def test_sixteen_bits_keep_every_code(tmp_path):
+    codes = np.arange(65536, dtype="u2").reshape(128, 512)
+    image = ts.Image.from_array(codes)
+    image.save(tmp_path / "a.png", tmp_path / "a.tif", bits=16)
+    expected = np.repeat(codes[:, :, None], 3, axis=2)
+    assert (decoded_png((tmp_path / "a.png").read_bytes()) == expected).all()
+    for name in ("a.png", "a.tif"):
+        assert np.abs(ts.read_image(tmp_path / name).linear - image.linear).max() < 2e-7
+
+
+def test_sixteen_bits_are_shown_as_eight_are(image, tmp_path, tessera):
+    image.save(tmp_path / "a.exr")
+    image.save(tmp_path / "8.png", tmp_path / "c.exr", exposure=1, tone_map="filmic")
+    image.save(tmp_path / "16.png", tmp_path / "b.exr", bits=16, exposure=1, tone_map="filmic")
+    fine = decoded_png((tmp_path / "16.png").read_bytes())
+    coarse = decoded_png((tmp_path / "8.png").read_bytes())
+    assert fine.dtype == "u2" and len(np.unique(fine)) > 2 * len(np.unique(coarse))
+    assert np.abs(fine / 257. - coarse).max() < .51
+    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+    tessera("render", KNOT, "--size", "20x20", "--bits", "16", "-o", tmp_path / "cli.png", "--quiet")
+    assert decoded_png((tmp_path / "cli.png").read_bytes()).dtype == "u2"
+
+
+def test_bits_that_a_file_cannot_hold_are_refused(tmp_path):
+    image = ts.Image.from_array(np.zeros((2, 2, 3)))
+    with pytest.raises(ts.UsageError, match=r"bits 16: '.*a\.jpg' holds 8; expected one of \.png, "):
+        image.save(tmp_path / "a.jpg", bits=16)
+    with pytest.raises(ts.UsageError, match="^bits: '12'; expected one of 8, 16"):
+        image.save(tmp_path / "a.png", bits=12)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_of_uint16_is_not_rounded_unasked(tmp_path):
+    for kind in ("u2", ">u2"):
+        image = pickle.loads(pickle.dumps(ts.Image.from_array(np.full((2, 2), 300, kind))))
+        with pytest.raises(ts.UsageError, match="^bits: left out for '.*a.png', of a picture made of uint16"):
+            image.save(tmp_path / "b.exr", tmp_path / "a.png")
+        assert not list(tmp_path.iterdir())
+    image.save(tmp_path / "b.exr")
+    image.save(tmp_path / "a.png", bits=8)
+    assert decoded_png((tmp_path / "a.png").read_bytes()).max() == 1
+    ts.Image.from_array(np.full((2, 2), 3, "u1")).save(tmp_path / "c.png")
+
+
+def test_what_no_file_has_room_for_is_told(image, tmp_path):
+    with pytest.warns(ts.SceneWarning, match=r"^save: '.*a.png' has no room for .*depth.*; expected an EXR") as told:
+        image.save(tmp_path / "a.png", tmp_path / "a.hdr")
+    assert [warning.filename for warning in told] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        image.save(tmp_path / "a.png", tmp_path / "a.exr")
+        ts.Image.from_array(image.linear).save(tmp_path / "a.png")

@@ -154,3 +154,13 @@ def test_what_is_farther_than_any_number_is_not_hit(shape):
     assert not tracer.occluded(*ray) and len(tracer.intersect_all(*ray)) == 0
     near = tracer.intersect((0, 10, 0), (0, -1e-300, 0))
     assert near.hit and np.isfinite(near.t)
+
+
+def test_one_shape_answers_for_itself():
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    mesh = ts.Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], material="undefined", closed=True,
+                   transform=ts.translate(5, 0, 0))
+    assert mesh.contains([(5.1, .1, .1), (.1, .1, .1)]).tolist() == [True, False]
+    tracer = mesh.tracer(accel="octree", threads=1)
+    assert tracer.intersect([(5.1, .1, 9), (.1, .1, 9)], (0, 0, -1)).hit.tolist() == [True, False]
+    assert ts.Node(shape=ts.Sphere()).contains((0, .5, 0)) and not ts.Sphere().contains((0, 1.5, 0))

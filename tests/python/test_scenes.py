@@ -30,7 +30,8 @@ def test_a_sample_there_and_back(path, tmp_path):
     told = subprocess.run([PROGRAM, "info", "--json", path], capture_output=True, check=True)
     assert scene.digest == json.loads(told.stdout)["scene"]
     assert ts.load_dict(scene.to_dict()) == scene
-    if "<Array" not in repr(scene):  # long arrays are told, not shown
+    assert len(repr(scene)) <= 1000
+    if "<" not in repr(scene):  # long fields are told, not shown
         assert eval(repr(scene), vars(ts)) == scene
     for ending in ("tessera", "tesserab", "json"):
         scene.save(tmp_path / f"again.{ending}")
@@ -471,3 +472,16 @@ def test_settings_can_be_deleted():
     scene = ts.Scene(width=10, gamma=2)
     del scene.width, scene.gamma
     assert scene == ts.Scene()
+
+
+def test_long_texts_are_cut_field_by_field():
+    few = ts.Scene(width=64, nodes=[ts.Node(shape=ts.Sphere()) for _ in range(30)])
+    assert eval(repr(few), vars(ts)) == few and len(repr(few)) > 500
+    many = ts.Scene(width=64, nodes=[ts.Node(shape=ts.Sphere()) for _ in range(1000)])
+    assert repr(many) == "Scene(settings=Settings(width=64), nodes=<list of 1000>)"
+    mesh = ts.Mesh(np.zeros((300, 3)), [(0, 1, 2)], name="flat")
+    assert repr(mesh) == ("Mesh(positions=<ndarray (300, 3)>, triangles=Array.of([0, 1, 2], 'I', (1, 3)), "
+                          "name='flat')")
+    assert repr(ts.Classic(name="a" * 2000)) == "Classic(name=<str of 2000>)"
+    many.nodes.append(ts.Node(children=many.nodes))
+    assert repr(many).endswith("nodes=<list of 1001>)")

@@ -14,7 +14,7 @@ namespace tessera {
 struct PixelLayout {
   int32_t width = 0, height = 0;
   int32_t channels = 0;
-  int32_t bits = 0;  ///< of a channel: 8 unsigned, 16 half float, 32 float
+  int32_t bits = 0;  ///< of a channel: 8 unsigned, 32 float; 16 to encode unsigned, else half float
 
   uint64_t bytes() const;
   /// Whether the sides are in 1..kMostSide, the pixels at most kMostPixels, their numbers at most
@@ -78,7 +78,7 @@ struct ImageRequest {
   uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory
 
   bool decodes() const { return call == decode_all || call == decode; }
-  static constexpr uint32_t kVersion = 13;
+  static constexpr uint32_t kVersion = 14;
 };
 
 /// The program's argument where it shall convert colours, for which it may read files, and decode

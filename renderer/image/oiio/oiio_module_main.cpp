@@ -81,8 +81,10 @@ void set_window(const ImageWindow& window, OIIO::ImageSpec& spec) {
 
 OIIO::ImageSpec make_spec(const ImageRequest& request) {
   const bool is_float = request.layout.bits == 32;
-  OIIO::ImageSpec spec(request.layout.width, request.layout.height, request.layout.channels,
-                       is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  const auto type = is_float                    ? OIIO::TypeDesc::FLOAT
+                    : request.layout.bits == 16 ? OIIO::TypeDesc::UINT16
+                                                : OIIO::TypeDesc::UINT8;
+  OIIO::ImageSpec spec(request.layout.width, request.layout.height, request.layout.channels, type);
   const std::string names = request.channel_names;
   if (!names.empty()) {
     spec.channelnames = OIIO::Strutil::splits(names, ",");

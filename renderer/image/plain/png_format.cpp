@@ -86,9 +86,9 @@ unsigned char paeth(int a, int b, int c) {
   return static_cast<unsigned char>(to_a <= to_b && to_a <= to_c ? a : to_b <= to_c ? b : c);
 }
 
-/// Rows of 8-bit RGB from `begin` on, each after the number of its filter.
+/// Rows of pixels of so many bytes from `begin` on, each after the number of its filter.
+template <size_t kPixel>
 Octets filtered(std::span<const char> pixels, size_t row_bytes, size_t begin, size_t end) {
-  constexpr size_t kPixel = 3;
   const Octets black(row_bytes);
   Octets out((end - begin) * (row_bytes + 1));
   unsigned char* to = out.data();
@@ -128,8 +128,8 @@ Octets deflated_alone(const Octets& bytes, bool is_last) {
   return out;
 }
 
-/// The data of the image (RFC 1950) in parts, which several threads make.
-std::vector<Octets> deflated(std::span<const char> pixels, size_t row_bytes) {
+/// The data of an RGB image (RFC 1950) in parts, which several threads make.
+std::vector<Octets> deflated(std::span<const char> pixels, size_t row_bytes, int bits) {
   constexpr size_t kPartBytes = size_t{64} << 10;
   const size_t height = pixels.size() / row_bytes;
   const size_t rows = std::max<size_t>(1, kPartBytes / row_bytes);
@@ -137,7 +137,8 @@ std::vector<Octets> deflated(std::span<const char> pixels, size_t row_bytes) {
   std::vector<Octets> parts(count);
   std::vector<uLong> sums(count), sizes(count);
   for_all(count, [&](size_t i) {
-    const Octets bytes = filtered(pixels, row_bytes, i * rows, std::min(height, (i + 1) * rows));
+    const auto filter = bits == 16 ? filtered<6> : filtered<3>;
+    const Octets bytes = filter(pixels, row_bytes, i * rows, std::min(height, (i + 1) * rows));
     sizes[i] = static_cast<uLong>(bytes.size());
     sums[i] = adler32(1, bytes.data(), static_cast<uInt>(bytes.size()));
     parts[i] = deflated_alone(bytes, i + 1 == count);
@@ -151,6 +152,13 @@ std::vector<Octets> deflated(std::span<const char> pixels, size_t row_bytes) {
   for (const int shift : {24, 16, 8, 0})
     parts.back().push_back(static_cast<unsigned char>(sum >> shift));
   return parts;
+}
+
+/// Integers of 16 bits as PNG has them, the high byte first.
+std::vector<char> high_bytes_first(std::span<const char> integers) {
+  std::vector<char> swapped(integers.size());
+  for (size_t i = 0; i < integers.size(); ++i) swapped[i] = integers[i ^ 1];
+  return swapped;
 }
 
 std::optional<ImageAnswer> decode(const Png& png, std::span<const char> file, bool to_srgb) {
@@ -208,14 +216,14 @@ std::optional<ImageAnswer> decode_png(std::span<const char> file, bool to_srgb) 
 std::optional<ImageAnswer> encode_png(const ImageRequest& request, std::span<const char> pixels) {
   const PixelLayout& layout = request.layout;
   const bool fits = std::string_view(request.format) == "png" && layout.is_legal() &&
-                    layout.channels == 3 && layout.bits == 8 && layout.bytes() == pixels.size();
+                    layout.channels == 3 && layout.bits <= 16 && layout.bytes() == pixels.size();
   if (!fits) return std::nullopt;
   const Png png(false);
   ImageAnswer answer;
   png_set_write_fn(png.get(), &answer.payload, write_bytes, flush);
   png_set_IHDR(png.get(), png.info(), static_cast<png_uint_32>(layout.width),
-               static_cast<png_uint_32>(layout.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+               static_cast<png_uint_32>(layout.height), layout.bits, PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(png.get(), png.info(), PNG_sRGB_INTENT_ABSOLUTE);
   if (request.window.x != 0 || request.window.y != 0) {
     png_set_oFFs(png.get(), png.info(), request.window.x, request.window.y, PNG_OFFSET_PIXEL);
@@ -223,7 +231,10 @@ std::optional<ImageAnswer> encode_png(const ImageRequest& request, std::span<con
   set_texts(png, request.attributes);
   png_write_info(png.get(), png.info());
   // Not by png_write_row(), which has one thread for all of it, nor then by png_write_end().
-  for (const auto& part : deflated(pixels, pixels.size() / static_cast<size_t>(layout.height)))
+  std::vector<char> swapped;
+  if (layout.bits == 16) pixels = swapped = high_bytes_first(pixels);
+  const size_t row_bytes = pixels.size() / static_cast<size_t>(layout.height);
+  for (const auto& part : deflated(pixels, row_bytes, layout.bits))
     png_write_chunk(png.get(), reinterpret_cast<png_const_bytep>("IDAT"), part.data(), part.size());
   png_write_chunk(png.get(), reinterpret_cast<png_const_bytep>("IEND"), nullptr, 0);
   return answer;

@@ -274,6 +274,8 @@ TEST(OutputSettings, OptionsAreLaidOverTheScene) {
   EXPECT_EQ(
       code_of([&] { output_settings("a.tessera", output, {.transfer = "srgb", .gamma = 3}); }),
       ExitCode::bad_usage);
+  EXPECT_EQ(output_settings("a.tessera", output).bits, 8);
+  EXPECT_EQ(output_settings("a.tessera", output, {.bits = 16}).bits, 16);
   const ToneCurve curves[] = {ToneCurve::clamp, ToneCurve::reinhard, ToneCurve::reinhard_luminance,
                               ToneCurve::filmic, ToneCurve::linear};
   for (size_t i = 0; i < tone_map_names().size(); ++i) {

@@ -35,6 +35,24 @@ TEST(Camera, or_the_side_that_is_named) {
   EXPECT_NEAR(angle(make(CameraSettings::Axis::larger, 900, 1600), 450, 0, 450, 1600), 45, 0.01);
 }
 
+TEST(Camera, windows_are_shifted_and_pixels_wider_than_high) {
+  const Camera camera({.field_of_view = 2 * std::atan(1.0),
+                       .axis = CameraSettings::Axis::horizontal,
+                       .shift = {0.25, -0.5},
+                       .pixel_aspect = 2},
+                      200, 100);
+  const auto expect = [&](double x, double y, const Vec3& through) {
+    EXPECT_LT(length(camera.ray(x, y).direction - normalize(through)), 1e-15) << x << " " << y;
+    const auto raster = camera.raster_of(Point3{} + through * 3);
+    ASSERT_TRUE(raster);
+    EXPECT_NEAR(raster->x, x, 1e-12);
+    EXPECT_NEAR(raster->y, y, 1e-12);
+  };
+  expect(100, 50, {0.5, -0.25, -1});
+  expect(0, 0, {-0.5, 0, -1});
+  expect(200, 100, {1.5, -0.5, -1});
+}
+
 TEST(Camera, image_axes) {
   const Camera camera = make(CameraSettings::Axis::smaller, 100, 100);
   EXPECT_EQ(camera.ray(50, 50).direction, (Vec3{0, 0, -1}));

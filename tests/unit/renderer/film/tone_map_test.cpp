@@ -85,6 +85,12 @@ TEST(ToneMap, bytes_are_the_quantized_values_of_each_pixel) {
         const double low = how == Quantization::round ? scaled - 0.5 : scaled - 1;
         ASSERT_NEAR(bytes[i], low + 0.5, 0.5 + 1e-9) << film.values()[i];
       }
+      const std::vector<uint16_t> integers = to_16_bit(film, settings);
+      for (size_t i = 0; i < integers.size(); ++i) {
+        const double scaled = 65535 * expected(settings, double{film.values()[i]});
+        const double low = how == Quantization::round ? scaled - 0.5 : scaled - 1;
+        ASSERT_NEAR(integers[i], low + 0.5, 0.5 + 1e-7) << film.values()[i];
+      }
     }
   }
 }

@@ -82,6 +82,24 @@ TEST_F(ImageFile, byte_formats_hold_the_tone_mapped_bytes) {
   EXPECT_EQ(files(), 6u);  // and no temporary
 }
 
+TEST_F(ImageFile, some_hold_sixteen_bits) {
+  const Film film = ramp();
+  OutputSettings settings = display_;
+  settings.bits = 16;
+  const std::vector<uint16_t> integers = to_16_bit(film, settings);
+  for (const char* name : {"a.png", "a.tiff"}) {
+    write_image(folder_ / name, film, settings, {});
+    const FloatImage image = read_image(folder_ / name);
+    ASSERT_EQ(image.values.size(), integers.size()) << name;
+    for (size_t i = 0; i < integers.size(); ++i) {
+      ASSERT_EQ(std::lround(image.values[i] * 65535), integers[i]) << name << " " << i;
+    }
+  }
+  EXPECT_EQ(code_of([&] { write_image(folder_ / "a.jpg", film, settings, {}); }),
+            ExitCode::bad_usage);
+  write_image(folder_ / "a.exr", film, settings, {});
+}
+
 TEST_F(ImageFile, files_carry_their_making) {
   const ImageMetadata making{
       .scene_digest = "0123abcd", .seed = 4294967295, .samples_per_pixel = 77};
