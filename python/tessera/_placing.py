@@ -1,7 +1,8 @@
 """What shapes and nodes can both do: be moved, copied, mirrored, turned inside out, combined and hit."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple, TypeVar, Union
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Literal, Optional, Set, Tuple,
+                    TypeVar, Union)
 
 from ._core import Vec
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
@@ -74,10 +75,11 @@ class Placed:
         return self.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
                                                 threads=threads, fields=fields)
 
-    def contains(self, points: ArrayLike, *, threads: Optional[int] = None) -> Bools:
+    def contains(self, points: ArrayLike, *, method: Literal["parity", "winding"] = "parity",
+                 closed: Literal["warn", "error"] = "warn", threads: Optional[int] = None) -> Bools:
         """Whether points, (..., 3) in metres, are inside it: bool (...). Each call builds what it needs
         anew; see `Tracer.contains`."""
-        return self.tracer(threads=1).contains(points, threads=threads)
+        return self.tracer(threads=1).contains(points, method=method, closed=closed, threads=threads)
 
     def tracer(self, *, accel: Accelerator = "bvh", threads: Optional[int] = None) -> Tracer:
         """What answers any number of ray queries about this alone, where its own transform puts it. The
