@@ -5,18 +5,36 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/core_count.h"
+#include "base/parallel.h"
+
 namespace tessera {
 namespace {
 
 /// One number a pixel.
 struct Plane {
-  int width, height;
-  std::vector<double> values;
+  Plane(int w, int h)
+      : width(static_cast<size_t>(w)), height(static_cast<size_t>(h)), values(width * height) {}
+  float* row(size_t y) { return values.data() + y * width; }
+  const float* row(size_t y) const { return values.data() + y * width; }
+
+  size_t width, height;
+  std::vector<float> values;
 };
+
+/// Calls work(y) for each row on all processors.
+template <typename Work>
+void for_each_row(size_t height, const Work& work) {
+  constexpr size_t kRowsOfPiece = 16;
+  for_each_piece_parallel(height, kRowsOfPiece, core_count(), [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) work(y);
+  });
+}
 
 /// Weights from -radius to radius along one axis.
 using Kernel = std::vector<double>;
 using Triple = std::array<double, 3>;
+using Color = std::array<float, 3>;
 
 constexpr std::array<Triple, 3> kXyzOfRgb{
     {{10135552. / 24577794, 8788810. / 24577794, 4435075. / 24577794},
@@ -66,41 +84,49 @@ Triple rgb_of_ycxcz(const Triple& c) {
 }
 
 /// CIE L*a*b*, its colourfulness made to fall with luminance as Hunt saw it.
-Triple hunt_lab(const Triple& rgb) {
-  constexpr double kDelta = 6. / 29;
-  Triple t = relative_xyz(rgb);
-  for (double& v : t)
-    v = v > kDelta * kDelta * kDelta ? std::cbrt(v) : v / (3 * kDelta * kDelta) + 4. / 29;
-  const double lightness = 116 * t[1] - 16;
-  return {lightness, .01 * lightness * 500 * (t[0] - t[1]), .01 * lightness * 200 * (t[1] - t[2])};
+Color hunt_lab(const Triple& rgb) {
+  constexpr float kDelta = 6.F / 29;
+  const Triple xyz = relative_xyz(rgb);
+  Color t;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto v = static_cast<float>(xyz[i]);
+    t[i] = v > kDelta * kDelta * kDelta ? std::cbrt(v) : v / (3 * kDelta * kDelta) + 4.F / 29;
+  }
+  const float lightness = 116 * t[1] - 16;
+  return {lightness, .01F * lightness * 500 * (t[0] - t[1]),
+          .01F * lightness * 200 * (t[1] - t[2])};
 }
 
 /// HyAB: city block in lightness, Euclidean in colour.
-double hyab(const Triple& a, const Triple& b) {
-  return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
+float hyab(const Color& a, const Color& b) {
+  const float u = a[1] - b[1], v = a[2] - b[2];
+  return std::abs(a[0] - b[0]) + std::sqrt(u * u + v * v);
 }
 
-double dot_at(const Kernel& kernel, const double* line, int stride, int at, int size) {
-  const int radius = static_cast<int>(kernel.size() / 2);
-  double sum = 0;
-  for (size_t k = 0; k < kernel.size(); ++k) {
-    const int place = std::clamp(at + static_cast<int>(k) - radius, 0, size - 1);
-    sum += kernel[k] * line[std::ptrdiff_t{place} * stride];
-  }
-  return sum;
+/// out[x] += weight * in[x]
+void add_weighted(float* out, float weight, const float* in, size_t count) {
+  for (size_t x = 0; x < count; ++x) out[x] += weight * in[x];
 }
 
 /// Rows through `along_x`, then columns through `along_y`; the border's pixels go on outside.
 Plane filtered(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
   Plane half = in, out = in;
-  for (int y = 0; y < in.height; ++y)
-    for (int x = 0; x < in.width; ++x)
-      half.values[static_cast<size_t>(y) * in.width + x] =
-          dot_at(along_x, in.values.data() + static_cast<size_t>(y) * in.width, 1, x, in.width);
-  for (int y = 0; y < in.height; ++y)
-    for (int x = 0; x < in.width; ++x)
-      out.values[static_cast<size_t>(y) * in.width + x] =
-          dot_at(along_y, half.values.data() + x, in.width, y, in.height);
+  const size_t width = in.width, height = in.height, radius = along_x.size() / 2;
+  for_each_row(height, [&](size_t y) {
+    std::vector<float> line(width + 2 * radius, in.row(y)[0]);
+    std::copy_n(in.row(y), width, line.begin() + static_cast<std::ptrdiff_t>(radius));
+    std::fill(line.end() - static_cast<std::ptrdiff_t>(radius), line.end(), in.row(y)[width - 1]);
+    std::fill_n(half.row(y), width, 0.F);
+    for (size_t k = 0; k < along_x.size(); ++k)
+      add_weighted(half.row(y), static_cast<float>(along_x[k]), line.data() + k, width);
+  });
+  for_each_row(height, [&](size_t y) {
+    std::fill_n(out.row(y), width, 0.F);
+    for (size_t k = 0; k < along_y.size(); ++k) {
+      const size_t place = std::clamp(y + k, radius, radius + height - 1) - radius;
+      add_weighted(out.row(y), static_cast<float>(along_y[k]), half.row(place), width);
+    }
+  });
   return out;
 }
 
@@ -134,15 +160,22 @@ Plane sensitivity_filtered(const Plane& in, std::initializer_list<std::pair<doub
   const int radius = static_cast<int>(std::ceil(
       3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixels_per_degree));
   double total = 0;
-  Plane out{in.width, in.height, std::vector<double>(in.values.size())};
+  std::vector<double> weights;
   for (const auto& [a, b] : terms) {
-    const Kernel kernel = gaussian(b, radius, pixels_per_degree);
-    const double weight = a * std::sqrt(std::numbers::pi / b) * sum_of(kernel) * sum_of(kernel);
-    const Plane part = filtered(in, normalized(kernel), normalized(kernel));
-    for (size_t i = 0; i < out.values.size(); ++i) out.values[i] += weight * part.values[i];
-    total += weight;
+    const double sum = sum_of(gaussian(b, radius, pixels_per_degree));
+    weights.push_back(a * std::sqrt(std::numbers::pi / b) * sum * sum);
+    total += weights.back();
   }
-  for (double& value : out.values) value /= total;
+  Plane out = in;
+  std::ranges::fill(out.values, 0.F);
+  size_t term = 0;
+  for (const auto& [a, b] : terms) {
+    const Kernel kernel = normalized(gaussian(b, radius, pixels_per_degree));
+    const Plane part = filtered(in, kernel, kernel);
+    const auto weight = static_cast<float>(weights[term++] / total);
+    for_each_row(out.height,
+                 [&](size_t y) { add_weighted(out.row(y), weight, part.row(y), out.width); });
+  }
   return out;
 }
 
@@ -155,7 +188,7 @@ Kernel balanced(Kernel kernel) {
 }
 
 /// How strongly each pixel is part of an edge, or of a point.
-std::vector<double> feature(const Plane& luminance, bool points, double pixels_per_degree) {
+Plane feature(const Plane& luminance, bool points, double pixels_per_degree) {
   const double deviation = .5 * .082 * pixels_per_degree;
   const int radius = static_cast<int>(std::ceil(3 * deviation));
   Kernel smooth, derivative;
@@ -166,73 +199,83 @@ std::vector<double> feature(const Plane& luminance, bool points, double pixels_p
   }
   smooth = normalized(smooth);
   derivative = balanced(derivative);
-  const Plane along_x = filtered(luminance, derivative, smooth);
+  Plane out = filtered(luminance, derivative, smooth);
   const Plane along_y = filtered(luminance, smooth, derivative);
-  std::vector<double> out(luminance.values.size());
-  for (size_t i = 0; i < out.size(); ++i) out[i] = std::hypot(along_x.values[i], along_y.values[i]);
+  for_each_row(out.height, [&](size_t y) {
+    for (size_t x = 0; x < out.width; ++x) {
+      const float a = out.row(y)[x], b = along_y.row(y)[x];
+      out.row(y)[x] = std::sqrt(a * a + b * b);
+    }
+  });
   return out;
 }
 
 /// All that FLIP wants to know of one picture.
 struct Seen {
-  std::vector<Triple> colors;  ///< as through the eye, in Hunt-adjusted L*a*b*
-  std::vector<double> edges, points;
+  std::array<Plane, 3> colors;  ///< as through the eye, in Hunt-adjusted L*a*b*
+  Plane edges, points;
 };
 
 Seen see(const Picture& picture, double pixels_per_degree) {
-  std::array<Plane, 3> planes;
-  for (Plane& plane : planes)
-    plane = {picture.width, picture.height, std::vector<double>(picture.pixels())};
-  for (size_t i = 0; i < picture.pixels(); ++i) {
-    Triple rgb;
-    for (size_t c = 0; c < 3; ++c) {
-      const float value = picture.values[3 * i + c];
-      rgb[c] = std::isnan(value) ? 0 : std::clamp(double{value}, 0.0, 1.0);
+  const Plane empty(picture.width, picture.height);
+  std::array<Plane, 3> planes{empty, empty, empty};
+  Plane luminance = empty;
+  for_each_row(empty.height, [&](size_t y) {
+    const float* value = picture.values.data() + 3 * y * empty.width;
+    for (size_t x = 0; x < empty.width; ++x) {
+      Triple rgb;
+      for (double& v : rgb)
+        v = std::isnan(*value) ? 0 : std::clamp(double{*value}, 0.0, 1.0), ++value;
+      const Triple opponent = ycxcz(rgb);
+      for (size_t c = 0; c < 3; ++c) planes[c].row(y)[x] = static_cast<float>(opponent[c]);
+      luminance.row(y)[x] = static_cast<float>((opponent[0] + 16) / 116);
     }
-    const Triple opponent = ycxcz(rgb);
-    for (size_t c = 0; c < 3; ++c) planes[c].values[i] = opponent[c];
-  }
-  Seen out;
-  Plane luminance = planes[0];
-  for (double& value : luminance.values) value = (value + 16) / 116;
-  out.edges = feature(luminance, false, pixels_per_degree);
-  out.points = feature(luminance, true, pixels_per_degree);
+  });
+  Seen out{{empty, empty, empty},
+           feature(luminance, false, pixels_per_degree),
+           feature(luminance, true, pixels_per_degree)};
   planes[0] = sensitivity_filtered(planes[0], {{1, .0047}}, pixels_per_degree);
   planes[1] = sensitivity_filtered(planes[1], {{1, .0053}}, pixels_per_degree);
   planes[2] = sensitivity_filtered(planes[2], {{34.1, .04}, {13.5, .025}}, pixels_per_degree);
-  for (size_t i = 0; i < picture.pixels(); ++i) {
-    Triple rgb = rgb_of_ycxcz({planes[0].values[i], planes[1].values[i], planes[2].values[i]});
-    for (double& value : rgb) value = std::clamp(value, 0.0, 1.0);
-    out.colors.push_back(hunt_lab(rgb));
-  }
+  for_each_row(empty.height, [&](size_t y) {
+    for (size_t x = 0; x < empty.width; ++x) {
+      Triple rgb = rgb_of_ycxcz({planes[0].row(y)[x], planes[1].row(y)[x], planes[2].row(y)[x]});
+      for (double& value : rgb) value = std::clamp(value, 0.0, 1.0);
+      const Color lab = hunt_lab(rgb);
+      for (size_t c = 0; c < 3; ++c) out.colors[c].row(y)[x] = lab[c];
+    }
+  });
   return out;
 }
 
 /// The colour difference raised to .7, its usual range spread over [0, .95].
-double color_error(const Triple& a, const Triple& b) {
-  constexpr double kExponent = .7, kUsualShare = .4, kUsualTop = .95;
-  static const double greatest =
-      std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kExponent);
-  const double usual = kUsualShare * greatest, error = std::pow(hyab(a, b), kExponent);
-  const double spread = error < usual
-                            ? kUsualTop * error / usual
-                            : kUsualTop + (1 - kUsualTop) * (error - usual) / (greatest - usual);
-  return std::clamp(spread, 0.0, 1.0);
+float color_error(const Color& a, const Color& b) {
+  constexpr float kExponent = .7F, kUsualShare = .4F, kUsualTop = .95F;
+  static const float greatest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kExponent);
+  const float usual = kUsualShare * greatest, error = std::pow(hyab(a, b), kExponent);
+  const float spread = error < usual
+                           ? kUsualTop * error / usual
+                           : kUsualTop + (1 - kUsualTop) * (error - usual) / (greatest - usual);
+  return std::clamp(spread, 0.F, 1.F);
 }
 
 }  // namespace
 
 std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_per_degree) {
   const Seen first = see(a, pixels_per_degree), second = see(b, pixels_per_degree);
-  std::vector<float> out;
-  out.reserve(first.colors.size());
-  for (size_t i = 0; i < first.colors.size(); ++i) {
-    const double difference = std::max(std::abs(first.edges[i] - second.edges[i]),
-                                       std::abs(first.points[i] - second.points[i]));
-    const double features = std::clamp(std::sqrt(difference / std::numbers::sqrt2), 0.0, 1.0);
-    out.push_back(
-        static_cast<float>(std::pow(color_error(first.colors[i], second.colors[i]), 1 - features)));
-  }
+  std::vector<float> out(a.pixels());
+  const auto color = [](const Seen& seen, size_t i) {
+    return Color{seen.colors[0].values[i], seen.colors[1].values[i], seen.colors[2].values[i]};
+  };
+  for_each_row(first.edges.height, [&](size_t y) {
+    for (size_t i = y * first.edges.width; i < (y + 1) * first.edges.width; ++i) {
+      const float difference = std::max(std::abs(first.edges.values[i] - second.edges.values[i]),
+                                        std::abs(first.points.values[i] - second.points.values[i]));
+      const float features =
+          std::clamp(std::sqrt(difference / std::numbers::sqrt2_v<float>), 0.F, 1.F);
+      out[i] = std::pow(color_error(color(first, i), color(second, i)), 1 - features);
+    }
+  });
   return out;
 }
 

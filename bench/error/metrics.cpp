@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/core_count.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "bench/error/flip.h"
 
 namespace tessera {
@@ -29,12 +31,10 @@ size_t for_each_value(size_t pixels, const PixelMask& mask, const Visit& visit) 
   return visited;
 }
 
-/// Moves the largest thousandth, rounded down, behind all others; returns how many stay before.
-size_t split_off_largest(std::vector<double>& values) {
-  const size_t kept = values.size() - values.size() / 1000;
+/// Moves all but the `kept` smallest behind these, of which the last is the largest.
+void split_off_largest(std::vector<double>& values, size_t kept) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(kept) - 1,
                    values.end());
-  return kept;
 }
 
 double mean_of_first(const std::vector<double>& values, size_t count) {
@@ -69,9 +69,13 @@ PictureError picture_error(const Picture& picture, const Picture& reference, con
   out.rmse = std::sqrt(out.mse);
   out.smape /= count;
   out.rel_mse = mean_of_first(relative, relative.size());
-  out.trimmed_rel_mse = mean_of_first(relative, split_off_largest(relative));
   out.max_error = *std::max_element(errors.begin(), errors.end());
-  out.error_99_9 = errors[split_off_largest(errors) - 1];
+  // Without the largest thousandth, rounded down.
+  const size_t kept = errors.size() - errors.size() / 1000;
+  for_each_parallel(2, core_count(),
+                    [&](size_t i) { split_off_largest(i == 0 ? relative : errors, kept); });
+  out.trimmed_rel_mse = mean_of_first(relative, kept);
+  out.error_99_9 = errors[kept - 1];
   out.mean_ratio = sum_reference != 0 ? sum / sum_reference : 0;
   if (with_flip) out.flip = mean_flip(picture, reference, mask);
   return out;
