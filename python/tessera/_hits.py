@@ -101,7 +101,9 @@ class Located:
 
     @property
     def point_error(self) -> Doubles:
-        """A bound on the error of `point` on each axis, in metres, float64 (..., 3); NaN: no hit."""
+        """How far off `point` the surface is at most: it passes through the box around `point` that reaches
+        so far on each axis. Metres, float64 (..., 3); NaN: no hit. No bound on the distance along the ray,
+        which is larger the flatter the ray meets the surface."""
         return self._attribute("point_error")
 
     @property

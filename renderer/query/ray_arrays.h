@@ -86,7 +86,7 @@ struct ConstHitArrays {
 /// Arrays for what lies at hits; null where not wanted. Where there is no hit: NaN, kNoInstance.
 struct AttributeArrays {
   double* point = nullptr;           ///< three numbers a hit
-  double* point_error = nullptr;     ///< three: a bound on the error of `point` on each axis
+  double* point_error = nullptr;     ///< three: LocalSurface::point_error
   double* normal = nullptr;          ///< three: unit, of the surface's front
   double* shading_normal = nullptr;  ///< three: unit, smoothed by the normals of vertices
   double* texcoord = nullptr;        ///< two

@@ -15,8 +15,8 @@ struct TraversalCounters {
   uint64_t primitive_tests = 0;
 };
 
-/// A point of a surface in its shape's frame. `point_error` bounds the distance of `point` from the
-/// true surface on each axis (PBRT 4ed, 6.8).
+/// A point of a surface in its shape's frame. The true surface passes through the box about `point`
+/// of `point_error` on each axis (PBRT 4ed, 6.8), if not just where the ray meets it.
 struct LocalSurface {
   Point3 point;
   Vec3 point_error;

@@ -88,6 +88,26 @@ def test_t_and_points_are_those_of_exact_arithmetic(triangles):
         assert abs(dot(normals[triangle], surface)) <= reach
 
 
+@pytest.mark.parametrize("lean", [1.0, 1e-4, 1e-8])
+@pytest.mark.parametrize("distance", [10.0, 1e-3, 1e-7])
+def test_the_surface_passes_within_the_error_of_points_that_graze_or_are_near(lean, distance):
+    random = np.random.default_rng(11)
+    points, rows = soup(random, 300)
+    corners = points.astype(float)[rows]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flat = corners[:, 1] - corners[:, 0]
+    directions = (flat / np.linalg.norm(flat, axis=1, keepdims=True)
+                  + lean * normals / np.linalg.norm(normals, axis=1, keepdims=True))
+    origins = corners.mean(1) - distance * directions
+    hits = tracer_from_mesh(points, rows).intersect(origins, directions)
+    assert hits.hit.sum() > 200
+    for i in np.flatnonzero(hits.hit):
+        a, b, c = ([Fraction(x) for x in corner.tolist()] for corner in corners[hits.primitive[i]])
+        normal = cross(minus(b, a), minus(c, a))
+        off = dot(normal, minus([Fraction(x) for x in hits.point[i].tolist()], a))
+        assert abs(off) <= sum(abs(n) * Fraction(e) for n, e in zip(normal, hits.point_error[i].tolist()))
+
+
 def test_all_hits_are_those_of_every_triangle():
     random = np.random.default_rng(2)
     points, rows = soup(random, 1000)
