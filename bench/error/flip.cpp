@@ -108,9 +108,10 @@ void add_weighted(float* out, float weight, const float* in, size_t count) {
   for (size_t x = 0; x < count; ++x) out[x] += weight * in[x];
 }
 
-/// Rows through `along_x`, then columns through `along_y`; the border's pixels go on outside.
-Plane filtered(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
-  Plane half = in, out = in;
+/// Rows through `along_x`, then columns through `along_y`, into `out`; the border's pixels go on
+/// outside. `half`: room for what is between, of the same size.
+void filter(const Plane& in, const Kernel& along_x, const Kernel& along_y, Plane& half,
+            Plane& out) {
   const size_t width = in.width, height = in.height, radius = along_x.size() / 2;
   for_each_row(height, [&](size_t y) {
     std::vector<float> line(width + 2 * radius, in.row(y)[0]);
@@ -127,7 +128,6 @@ Plane filtered(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
       add_weighted(out.row(y), static_cast<float>(along_y[k]), half.row(place), width);
     }
   });
-  return out;
 }
 
 /// exp(-pi^2 x^2 / b), x in degrees, not normalised.
@@ -155,7 +155,7 @@ Kernel normalized(Kernel kernel) {
 /// The eye's contrast sensitivity in one opponent colour (the paper): Gaussians
 /// of weight a sqrt(pi / b), together of sum 1.
 Plane sensitivity_filtered(const Plane& in, std::initializer_list<std::pair<double, double>> terms,
-                           double pixels_per_degree) {
+                           double pixels_per_degree, Plane& half, Plane& part) {
   constexpr double kWidest = .04;
   const int radius = static_cast<int>(std::ceil(
       3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixels_per_degree));
@@ -166,12 +166,11 @@ Plane sensitivity_filtered(const Plane& in, std::initializer_list<std::pair<doub
     weights.push_back(a * std::sqrt(std::numbers::pi / b) * sum * sum);
     total += weights.back();
   }
-  Plane out = in;
-  std::ranges::fill(out.values, 0.F);
+  Plane out(static_cast<int>(in.width), static_cast<int>(in.height));
   size_t term = 0;
   for (const auto& [a, b] : terms) {
     const Kernel kernel = normalized(gaussian(b, radius, pixels_per_degree));
-    const Plane part = filtered(in, kernel, kernel);
+    filter(in, kernel, kernel, half, part);
     const auto weight = static_cast<float>(weights[term++] / total);
     for_each_row(out.height,
                  [&](size_t y) { add_weighted(out.row(y), weight, part.row(y), out.width); });
@@ -188,7 +187,8 @@ Kernel balanced(Kernel kernel) {
 }
 
 /// How strongly each pixel is part of an edge, or of a point.
-Plane feature(const Plane& luminance, bool points, double pixels_per_degree) {
+Plane feature(const Plane& luminance, bool points, double pixels_per_degree, Plane& half,
+              Plane& along_y) {
   const double deviation = .5 * .082 * pixels_per_degree;
   const int radius = static_cast<int>(std::ceil(3 * deviation));
   Kernel smooth, derivative;
@@ -199,8 +199,9 @@ Plane feature(const Plane& luminance, bool points, double pixels_per_degree) {
   }
   smooth = normalized(smooth);
   derivative = balanced(derivative);
-  Plane out = filtered(luminance, derivative, smooth);
-  const Plane along_y = filtered(luminance, smooth, derivative);
+  Plane out(static_cast<int>(luminance.width), static_cast<int>(luminance.height));
+  filter(luminance, derivative, smooth, half, out);
+  filter(luminance, smooth, derivative, half, along_y);
   for_each_row(out.height, [&](size_t y) {
     for (size_t x = 0; x < out.width; ++x) {
       const float a = out.row(y)[x], b = along_y.row(y)[x];
@@ -231,12 +232,17 @@ Seen see(const Picture& picture, double pixels_per_degree) {
       luminance.row(y)[x] = static_cast<float>((opponent[0] + 16) / 116);
     }
   });
+  Plane half = empty, part = empty;
   Seen out{{empty, empty, empty},
-           feature(luminance, false, pixels_per_degree),
-           feature(luminance, true, pixels_per_degree)};
-  planes[0] = sensitivity_filtered(planes[0], {{1, .0047}}, pixels_per_degree);
-  planes[1] = sensitivity_filtered(planes[1], {{1, .0053}}, pixels_per_degree);
-  planes[2] = sensitivity_filtered(planes[2], {{34.1, .04}, {13.5, .025}}, pixels_per_degree);
+           feature(luminance, false, pixels_per_degree, half, part),
+           feature(luminance, true, pixels_per_degree, half, part)};
+  const auto filtered = [&](const Plane& in,
+                            std::initializer_list<std::pair<double, double>> terms) {
+    return sensitivity_filtered(in, terms, pixels_per_degree, half, part);
+  };
+  planes[0] = filtered(planes[0], {{1, .0047}});
+  planes[1] = filtered(planes[1], {{1, .0053}});
+  planes[2] = filtered(planes[2], {{34.1, .04}, {13.5, .025}});
   for_each_row(empty.height, [&](size_t y) {
     for (size_t x = 0; x < empty.width; ++x) {
       Triple rgb = rgb_of_ycxcz({planes[0].row(y)[x], planes[1].row(y)[x], planes[2].row(y)[x]});
