@@ -107,7 +107,7 @@ class WorkerService {
   /// Whether it may be given more tiles.
   bool has_room(const WorkerRecord& worker) const;
   std::vector<KnownScene> known_scenes(const WorkerRecord& worker) const;
-  /// Of which it holds no tile.
+  /// The worker must hold no tile of it.
   void forget_scene(WorkerRecord& worker, uint64_t frame);
 
   void tell_if_back(WorkerRecord& worker);

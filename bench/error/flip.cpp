@@ -109,7 +109,7 @@ void add_weighted(float* out, float weight, const float* in, size_t count) {
 }
 
 /// Rows through `along_x`, then columns through `along_y`, into `out`; the border's pixels go on
-/// outside. `half`: room for what is between, of the same size.
+/// outside. `half`: a buffer of the same size for the intermediate plane.
 void filter(const Plane& in, const Kernel& along_x, const Kernel& along_y, Plane& half,
             Plane& out) {
   const size_t width = in.width, height = in.height, radius = along_x.size() / 2;

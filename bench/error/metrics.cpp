@@ -31,7 +31,7 @@ size_t for_each_value(size_t pixels, const PixelMask& mask, const Visit& visit) 
   return visited;
 }
 
-/// Moves all but the `kept` smallest behind these, of which the last is the largest.
+/// Moves all but the `kept` smallest behind these, whose largest comes last.
 void split_off_largest(std::vector<double>& values, size_t kept) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(kept) - 1,
                    values.end());

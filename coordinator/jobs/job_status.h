@@ -17,7 +17,7 @@ struct FarmState {
   int workers = 0;  ///< there are
   BeginLimits limits{};
   std::vector<OpenJob> begun;   ///< jobs that are
-  std::vector<int32_t> served;  ///< the priorities of jobs of which workers hold tiles
+  std::vector<int32_t> served;  ///< the priorities of jobs whose tiles workers hold
   std::string trouble;          ///< why no tile is assigned
 };
 

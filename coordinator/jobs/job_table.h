@@ -143,7 +143,7 @@ class JobTable {
   void count_stored(Job& job);
   /// What is to be kept of it, as of now.
   static v1::KeptJob kept_now(const Job& job);
-  /// The priorities of jobs of which workers hold tiles.
+  /// The priorities of jobs whose tiles workers hold.
   std::vector<int32_t> served() const;
   /// Notes what running() is, after that has changed.
   void list_running();

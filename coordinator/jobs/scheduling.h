@@ -41,7 +41,7 @@ struct OpenJob {
   int32_t priority = 0;
   bool paused = false;
   std::vector<BegunFrame> begun{};
-  /// The frame that is to be begun next: none that is held, or of which the tiles are being traced.
+  /// The frame that is to be begun next: none that is held, or whose tiles are being traced.
   struct Next {
     uint32_t frame = 0;
     uint64_t film_bytes = 0;
@@ -64,7 +64,7 @@ struct BeginPlan {
 };
 /// A frame whose film is larger than the whole budget is begun, so that it can be refused. Frames
 /// that are put aside lose the tiles that workers hold of them: those of paused jobs go first, then
-/// those of the least urgent job, then those of which fewest tiles are out.
+/// those of the least urgent job, then those with the fewest tiles out.
 BeginPlan plan_begin(std::vector<OpenJob> jobs, const BeginLimits& limits);
 
 /// Which invariant does not hold, where plan_begin() has been followed; empty: all hold.
@@ -93,7 +93,7 @@ struct KnownScene {
   size_t tiles_held = 0;
 };
 /// Which of the scenes a worker should forget, being full of them, for a job of that priority: the
-/// least urgent of those of which it holds no tile. `waits`: there are less urgent ones, and it
+/// least urgent without a tile that it holds. `waits`: there are less urgent ones, and it
 /// holds tiles of all of these: it should get no more of them.
 struct Forget {
   std::optional<uint64_t> frame{};

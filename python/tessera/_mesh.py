@@ -155,7 +155,7 @@ class Mesh(_messages.Mesh):
     def merge_vertices(self, distance: float) -> Mesh:
         """A copy in which each vertex lies at the first within that distance in metres, > 0, that stays
         itself, so that they count as one: slits close. Rows stay what they are, with their normals, uvs
-        and colors; the renderer leaves out triangles of which corners coincide."""
+        and colors; the renderer leaves out triangles whose corners coincide."""
         distance = number("distance", distance)
         if not 0 < distance < math.inf:
             raise UsageError(f"distance: {distance}; expected a length in metres, above 0")

@@ -21,7 +21,7 @@ CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
 
 _MOST_SHOWN = 1000  # characters of a text that evaluates back
 _MOST_OF_FIELD = 100  # those of each field where the text would be longer
-_being_shown = threading.local()  # while a text is made: `room`, how many more characters it may have
+_being_shown = threading.local()  # while a text is made: `left`, how many more characters it may have
 
 
 class _TooLong(Exception):
@@ -63,7 +63,7 @@ class Value(_core.ValueBase):
     def __repr__(self) -> str:
         """Evaluates back if that takes at most 1,000 characters and no array of over 1,000 numbers. A
         longer text tells fields of over 100 characters by class and length: `nodes=<list of 240>`."""
-        if getattr(_being_shown, "room", None) is not None:  # a part of another's text
+        if getattr(_being_shown, "left", None) is not None:  # a part of another's text
             return self._text(_shown)
         whole = _text_within(_MOST_SHOWN, lambda: self._text(_shown))
         return self._text(_shown_briefly) if whole is None else whole
@@ -137,25 +137,25 @@ def _argument(name: str, value: Any, shown: Callable[[Any], str]) -> str:
 
 
 def _spend(characters: int) -> None:
-    """Takes room off the text that is being made; raises _TooLong where there is none."""
-    room = getattr(_being_shown, "room", None)
-    if room is None:
+    """Counts characters of the text that is being made; raises _TooLong where it has too many."""
+    left = getattr(_being_shown, "left", None)
+    if left is None:
         return
-    if characters > room:
+    if characters > left:
         raise _TooLong
-    _being_shown.room = room - characters
+    _being_shown.left = left - characters
 
 
-def _text_within(room: int, make: Callable[[], str]) -> Optional[str]:
+def _text_within(left: int, make: Callable[[], str]) -> Optional[str]:
     """What `make` returns, or None where it is longer than that."""
-    _being_shown.room = room
+    _being_shown.left = left
     try:
         text = make()
-        return text if len(text) <= room else None
+        return text if len(text) <= left else None
     except _TooLong:
         return None
     finally:
-        _being_shown.room = None
+        _being_shown.left = None
 
 
 def _shown_briefly(value: Any) -> str:

@@ -173,7 +173,7 @@ class Image:
         cannot be written, the others are all the same. What is left out is as the scene says.
 
         Raises UsageError for a picture made of uint16 whose values a file of 8 bits would round, unless
-        `bits=8` asks for that. A SceneWarning tells of AOVs that none of the files has room for.
+        `bits=8` asks for that. A SceneWarning tells of AOVs that none of the files can hold.
 
         :param bits: of a channel in files of integers, 8 or, for PNG and TIFF, 16; default 8. Files of
             floats (EXR, HDR, PFM) hold the light as it is.
@@ -197,7 +197,7 @@ class Image:
             self._refuse_rounding(names)
         self._picture.save(names, option_texts({"bits": bits, **output}))
         if self.aovs and not any(map(_core.holds_aovs, names)):
-            warnings.warn(f"save: {os.fsdecode(names[0])!r} has no room for {', '.join(self.aovs)}; expected "
+            warnings.warn(f"save: {os.fsdecode(names[0])!r} cannot hold {', '.join(self.aovs)}; expected "
                           "an EXR file among those saved", SceneWarning, stacklevel=level_of_caller())
 
     def _refuse_rounding(self, names: List[bytes]) -> None:

@@ -141,7 +141,7 @@ class Tracer:
     Arrays that it gives are read-only. Points are metres on the axes of the world. Rays start at
     `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t counts lengths of the
     direction, and hits lie at t_min < t < t_max. A t_min below 0 is a UsageError: what lies behind an
-    origin is met along the opposite direction. Surfaces are met whatever their material lets through;
+    origin is hit along the opposite direction. Surfaces are hit whatever their material lets through;
     hidden nodes are not there. A ray whose numbers are not all finite, or without a direction, hits
     nothing."""
 

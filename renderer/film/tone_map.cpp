@@ -118,7 +118,7 @@ double transferred(const OutputSettings& settings, double v) {
   return std::clamp(apply_transfer(settings, v), 0.0, 1.0);
 }
 
-/// `value` in [0, 1] to an integer, of which the largest stands for 1.
+/// `value` in [0, 1] to an integer, whose largest value stands for 1.
 template <typename Integer>
 Integer quantize(double value, Quantization how) {
   const double scaled = value * std::numeric_limits<Integer>::max();

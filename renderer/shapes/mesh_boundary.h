@@ -20,7 +20,7 @@ struct OpenEdge {
 std::vector<OpenEdge> open_edges(const TriangleMesh& mesh);
 
 /// Moves each vertex to the first one within `distance` > 0 of it that is not moved itself, so that
-/// they count as one. Triangles stay, also those of which corners now coincide.
+/// they count as one. Triangles stay, also those whose corners now coincide.
 void merge_vertices(TriangleMesh& mesh, double distance);
 
 /// The edges at which a mesh is open, as a tree that tells how far the mesh goes around a point.

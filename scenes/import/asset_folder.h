@@ -32,7 +32,7 @@ struct AssetFolder {
   };
   /// The same of a file that scenes only show, such as a picture. Where there is none, as by the
   /// path that it had on another machine, one with the last parts of that path, or its name alone,
-  /// is taken for it: "/home/ann/lamp/textures/wood.png" finds "textures/wood.png" or "wood.png".
+  /// is taken for it: "/home/ann/chair/textures/wood.png" finds "textures/wood.png" or "wood.png".
   Found find_asset(const std::string& reference) const;
   /// What messages call the root: "the scene's folder", or "the asset root 'DIR'".
   std::string shown_root() const;

@@ -40,7 +40,7 @@ class Warnings {
   void repair(std::string_view what, const Where& where);
 
   /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance; at most
-  /// kMostEntries beside repairs, of which there are no more than rules; "FILE: what" where no
+  /// kMostEntries beside repairs, which are no more than there are rules; "FILE: what" where no
   /// place is known.
   std::vector<std::string> list(const std::string& file) const;
   /// Adds that list, and the parts of each of its lines, to what the file became.

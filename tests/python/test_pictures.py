@@ -523,8 +523,8 @@ def test_a_picture_of_uint16_is_not_rounded_unasked(tmp_path):
     ts.Image.from_array(np.full((2, 2), 3, "u1")).save(tmp_path / "c.png")
 
 
-def test_what_no_file_has_room_for_is_told(image, tmp_path):
-    with pytest.warns(ts.SceneWarning, match=r"^save: '.*a.png' has no room for .*depth.*; expected an EXR") as told:
+def test_what_no_file_can_hold_is_told(image, tmp_path):
+    with pytest.warns(ts.SceneWarning, match=r"^save: '.*a.png' cannot hold .*depth.*; expected an EXR") as told:
         image.save(tmp_path / "a.png", tmp_path / "a.hdr")
     assert [warning.filename for warning in told] == [__file__]
     with warnings.catch_warnings():

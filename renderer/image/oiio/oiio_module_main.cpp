@@ -220,8 +220,8 @@ struct Window {
   int width = 0, height = 0;
 };
 
-/// The display window of OpenEXR, of which pixels that the file lacks are black and clear; the data
-/// window where it has nothing in common with that.
+/// The display window of OpenEXR, whose pixels are black and clear where the file lacks them; the
+/// data window where it has nothing in common with that.
 Window window_of(const std::string& format, const OIIO::ImageSpec& spec, int channels, int bits) {
   const Window data{0, 0, spec.width, spec.height};
   if (format != "openexr") return data;

@@ -323,7 +323,7 @@ class GltfReader {
   }
 
   /// Both angles may be the same, for a hard edge, as some programs write it. False where the light
-  /// shines nowhere.
+  /// emits nothing.
   static bool aim(const GltfValue& in, v1::Light::Spot& out) {
     constexpr double kWidest = portable::kPi / 2;
     const double outer = in["outerConeAngle"].number_within(portable::kPi / 4, 0, kWidest);

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
+#include <atomic>
 #include <functional>
-#include <memory>
-#include <span>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
-#include "proto/wire/frame.h"
+#include "tests/unit/client/answering_transport.h"
 
 namespace tessera {
 namespace {
@@ -17,42 +17,24 @@ namespace {
 constexpr uint64_t kSubmission = 11;
 
 /// A coordinator that says what a function says to each message, and Ctrl-C after the first one.
-class InterruptedTransport : public ClientTransport {
+class InterruptedTransport : public testing::AnsweringTransport {
  public:
   using Answer = std::function<std::optional<v1::JobStatus>(const v1::Envelope&)>;
   explicit InterruptedTransport(Answer answer) : answer_(std::move(answer)) {}
-
-  void connect_bulk(const std::string&) override {}
-  void wait(std::chrono::milliseconds) override {}
-  void reconnect() override {}
-  void wake() override {}
-  void send(Channel, MessageBytes bytes) override {
-    const auto message = decode(bytes, max_message_bytes(Channel::control));
-    ASSERT_TRUE(message);
-    sent.push_back(*message);
-    stop = true;
-    const auto status = answer_(*message);
-    if (!status) return;
-    v1::Envelope answer;
-    *answer.mutable_job_status() = *status;
-    answer.mutable_job_status()->set_submission(kSubmission);
-    answer.mutable_job_status()->set_question(message->job_query().question());
-    const auto encoded = std::make_shared<const MessageBytes>(encode(answer));
-    incoming_.push_back({Channel::control, {}, std::as_bytes(std::span(*encoded)), encoded});
-  }
-  std::optional<ReceivedMessage> receive() override {
-    if (incoming_.empty()) return std::nullopt;
-    ReceivedMessage message = std::move(incoming_.front());
-    incoming_.pop_front();
-    return message;
-  }
 
   std::vector<v1::Envelope> sent;
   std::atomic<bool> stop{false};
 
  private:
+  std::optional<v1::JobStatus> answer(const v1::Envelope& message) override {
+    sent.push_back(message);
+    stop = true;
+    auto status = answer_(message);
+    if (status) status->set_submission(kSubmission);
+    return status;
+  }
+
   Answer answer_;
-  std::deque<ReceivedMessage> incoming_;
 };
 
 v1::JobStatus status_of(v1::JobStatus::State state, uint64_t job = 0) {

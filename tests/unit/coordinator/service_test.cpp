@@ -318,7 +318,7 @@ TEST_F(ServiceTest, AMoreUrgentJobGetsTheNextTileWhateverTheLimits) {
   });
   std::vector<uint64_t> jobs;
   for (uint32_t i = 1; i <= 4; ++i) jobs.push_back(submit(i, static_cast<int>(i), 64));
-  EXPECT_EQ(ask(jobs[0]).state(), v1::JobStatus::QUEUED) << "it made room for the last";
+  EXPECT_EQ(ask(jobs[0]).state(), v1::JobStatus::QUEUED) << "it was put aside for the last";
   EXPECT_EQ(ask(jobs[0]).waits_for(), "workers");
   come(1, 1);
   const uint64_t urgent = submit(9, 10);

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <deque>
-#include <memory>
-#include <span>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "job/job_messages.h"
-#include "proto/wire/frame.h"
+#include "tests/unit/client/answering_transport.h"
 
 namespace tessera {
 namespace {
@@ -17,37 +17,21 @@ namespace {
 constexpr uint64_t kJob = 7;
 
 /// A coordinator that answers each question with the next of its statuses.
-class ScriptedTransport : public ClientTransport {
+class ScriptedTransport : public testing::AnsweringTransport {
  public:
-  void connect_bulk(const std::string&) override {}
-  void wait(std::chrono::milliseconds) override {}
-  void reconnect() override {}
-  void wake() override {}
-  void send(Channel, MessageBytes bytes) override {
-    const auto message = decode(bytes, max_message_bytes(Channel::control));
-    ASSERT_TRUE(message && message->has_job_query());
-    asked.push_back(message->job_query());
-    ASSERT_FALSE(answers.empty());
-    v1::Envelope answer;
-    *answer.mutable_job_status() = answers.front();
-    answer.mutable_job_status()->set_question(asked.back().question());
-    answers.pop_front();
-    const auto bytes_of_answer = std::make_shared<const MessageBytes>(encode(answer));
-    incoming_.push_back(
-        {Channel::control, {}, std::as_bytes(std::span(*bytes_of_answer)), bytes_of_answer});
-  }
-  std::optional<ReceivedMessage> receive() override {
-    if (incoming_.empty()) return std::nullopt;
-    ReceivedMessage message = std::move(incoming_.front());
-    incoming_.pop_front();
-    return message;
-  }
-
   std::deque<v1::JobStatus> answers;
   std::vector<v1::JobQuery> asked;
 
  private:
-  std::deque<ReceivedMessage> incoming_;
+  std::optional<v1::JobStatus> answer(const v1::Envelope& message) override {
+    EXPECT_TRUE(message.has_job_query());
+    asked.push_back(message.job_query());
+    EXPECT_FALSE(answers.empty());
+    if (answers.empty()) return std::nullopt;
+    v1::JobStatus status = answers.front();
+    answers.pop_front();
+    return status;
+  }
 };
 
 v1::JobStatus job_status(v1::JobStatus::State state, v1::JobEnd::How how = v1::JobEnd::DONE) {
@@ -65,7 +49,7 @@ v1::JobQuery job_query(v1::JobQuery::Action action) {
   return query;
 }
 
-class JobOrders : public testing::Test {
+class JobOrders : public ::testing::Test {
  protected:
   /// The code and the message of what `work` throws.
   template <typename Work>

@@ -146,11 +146,11 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
   for (const auto& [path, file] : std::vector<std::pair<std::string, std::string>>{
            {inside, "wood.png"},
            {"textures/wood.png", "textures/wood.png"},
-           {"/home/ann/lamp/wood.png", "wood.png"},
-           {"/home/ann/lamp/textures/wood.png", "textures/wood.png"},
+           {"/home/ann/chair/wood.png", "wood.png"},
+           {"/home/ann/chair/textures/wood.png", "textures/wood.png"},
            {"../wood.png", "wood.png"},
            {"maps/stone/textures/stone.png", "textures/stone.png"},
-           {"C:\\\\lamp\\\\textures\\\\stone.png", "textures/stone.png"}}) {
+           {"C:\\\\chair\\\\textures\\\\stone.png", "textures/stone.png"}}) {
     const bool is_there = path == inside || path == "textures/wood.png";
     std::string plain = path;
     while (plain.find("\\\\") != std::string::npos) plain.replace(plain.find("\\\\"), 2, "\\");
@@ -174,10 +174,10 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
 TEST_F(ReadScene, FindsMaterialLibrariesByName) {
   write("a.mtl", "newmtl a\nKd 0 1 0\n");
   const LoadedScene loaded = read_scene(
-      write("a.obj", std::string("mtllib /home/ann/lamp/a.mtl\nusemtl a\n") + kTriangle));
+      write("a.obj", std::string("mtllib /home/ann/chair/a.mtl\nusemtl a\n") + kTriangle));
   EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().g(), 1);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("a.obj: material library '/home/ann/lamp/a.mtl' is not there; "
+  EXPECT_NE(loaded.warnings[0].find("a.obj: material library '/home/ann/chair/a.mtl' is not there; "
                                     "'a.mtl' is taken for it"),
             std::string::npos)
       << loaded.warnings[0];

@@ -173,7 +173,7 @@ TEST(Obj, OneOddValueDoesNotCostTheFile) {
 TEST(Obj, OddValuesAreListedForAStrictReading) {
   const LoadedScene loaded =
       parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2\nf 1 2 3\n", "t.obj");
-  EXPECT_EQ(loaded.warnings.size(), 2u) << "of which lines break no rule";
+  EXPECT_EQ(loaded.warnings.size(), 2u) << "lines break no rule";
   ASSERT_EQ(loaded.repairs.size(), 1u);
   EXPECT_EQ(loaded.repairs[0].place.str(), "t.obj:5:6");
   EXPECT_EQ(loaded.repairs[0].found, "a face with 2 corners");
