@@ -93,12 +93,4 @@ struct NewTiles {
 };
 using TileCallback = std::function<void(const NewTiles&)>;
 
-/// For JobProgress: seconds until `left` tiles are done, where `done` took `elapsed`. Not known
-/// before some dozens, or a quarter of all, tell what one takes in the mean.
-inline double remaining_seconds(double elapsed, uint64_t done, uint64_t left) {
-  constexpr uint64_t kEnough = 32;
-  if (done == 0 || (done < kEnough && 4 * done < done + left)) return -1;
-  return elapsed * static_cast<double>(left) / static_cast<double>(done);
-}
-
 }  // namespace tessera

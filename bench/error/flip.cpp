@@ -2,37 +2,35 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <numeric>
+#include <utility>
+#include <vector>
 
+#include "base/cancellation.h"
 #include "base/core_count.h"
 #include "base/parallel.h"
 
 namespace tessera {
 namespace {
 
-/// One number a pixel.
-struct Plane {
-  Plane(int w, int h)
-      : width(static_cast<size_t>(w)), height(static_cast<size_t>(h)), values(width * height) {}
-  float* row(size_t y) { return values.data() + y * width; }
-  const float* row(size_t y) const { return values.data() + y * width; }
+/// Some rows of a picture, one number a pixel.
+struct Rows {
+  Rows() = default;
+  Rows(size_t w, size_t most) : width(w), values(width * most) {}
+  void set(size_t from, size_t until) { first = from, end = until; }
+  float* row(size_t y) { return values.data() + (y - first) * width; }
+  const float* row(size_t y) const { return values.data() + (y - first) * width; }
 
-  size_t width, height;
+  size_t width = 0, first = 0, end = 0;
   std::vector<float> values;
 };
 
-/// Calls work(y) for each row on all processors.
-template <typename Work>
-void for_each_row(size_t height, const Work& work) {
-  constexpr size_t kRowsOfPiece = 16;
-  for_each_piece_parallel(height, kRowsOfPiece, core_count(), [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) work(y);
-  });
-}
-
 /// Weights from -radius to radius along one axis.
-using Kernel = std::vector<double>;
+using Kernel = std::vector<float>;
 using Triple = std::array<double, 3>;
 using Color = std::array<float, 3>;
 
@@ -83,18 +81,37 @@ Triple rgb_of_ycxcz(const Triple& c) {
                            (y - c[2] / 200) * kWhiteXyz[2]});
 }
 
-/// CIE L*a*b*, its colourfulness made to fall with luminance as Hunt saw it.
-Color hunt_lab(const Triple& rgb) {
-  constexpr float kDelta = 6.F / 29;
-  const Triple xyz = relative_xyz(rgb);
-  Color t;
-  for (size_t i = 0; i < 3; ++i) {
-    const auto v = static_cast<float>(xyz[i]);
-    t[i] = v > kDelta * kDelta * kDelta ? std::cbrt(v) : v / (3 * kDelta * kDelta) + 4.F / 29;
+/// Of a positive number that is not tiny, within two units in the last place. Unlike std::cbrt,
+/// compilers make it run for several numbers at a time.
+float cube_root(float v) {
+  constexpr uint32_t kThirdOfBias = 0x2a5137a0;
+  auto root = std::bit_cast<float>(std::bit_cast<uint32_t>(v) / 3 + kThirdOfBias);
+  for (int i = 0; i < 2; ++i) {  // Halley's steps
+    const float cube = root * root * root;
+    root *= (cube + 2 * v) / (2 * cube + v);
   }
-  const float lightness = 116 * t[1] - 16;
-  return {lightness, .01F * lightness * 500 * (t[0] - t[1]),
-          .01F * lightness * 200 * (t[1] - t[2])};
+  return root;
+}
+
+/// What CIE L*a*b* takes of each relative XYZ.
+float lab_response(float v) {
+  constexpr float kDelta = 6.F / 29, kKnee = kDelta * kDelta * kDelta;
+  const float root = cube_root(std::max(v, kKnee)), line = v / (3 * kDelta * kDelta) + 4.F / 29;
+  return v > kKnee ? root : line;
+}
+
+/// CIE L*a*b* of such responses, its colourfulness made to fall with luminance as Hunt saw it.
+Color hunt_lab(const Color& response) {
+  const float lightness = 116 * response[1] - 16;
+  return {lightness, .01F * lightness * 500 * (response[0] - response[1]),
+          .01F * lightness * 200 * (response[1] - response[2])};
+}
+
+Color lab_of(const Triple& rgb) {
+  const Triple xyz = relative_xyz(rgb);
+  Color response;
+  for (size_t i = 0; i < 3; ++i) response[i] = lab_response(static_cast<float>(xyz[i]));
+  return hunt_lab(response);
 }
 
 /// HyAB: city block in lightness, Euclidean in colour.
@@ -103,161 +120,219 @@ float hyab(const Color& a, const Color& b) {
   return std::abs(a[0] - b[0]) + std::sqrt(u * u + v * v);
 }
 
-/// out[x] += weight * in[x]
-void add_weighted(float* out, float weight, const float* in, size_t count) {
-  for (size_t x = 0; x < count; ++x) out[x] += weight * in[x];
-}
-
-/// Rows through `along_x`, then columns through `along_y`, into `out`; the border's pixels go on
-/// outside. `half`: a buffer of the same size for the intermediate plane.
-void filter(const Plane& in, const Kernel& along_x, const Kernel& along_y, Plane& half,
-            Plane& out) {
-  const size_t width = in.width, height = in.height, radius = along_x.size() / 2;
-  for_each_row(height, [&](size_t y) {
-    std::vector<float> line(width + 2 * radius, in.row(y)[0]);
-    std::copy_n(in.row(y), width, line.begin() + static_cast<std::ptrdiff_t>(radius));
-    std::fill(line.end() - static_cast<std::ptrdiff_t>(radius), line.end(), in.row(y)[width - 1]);
-    std::fill_n(half.row(y), width, 0.F);
-    for (size_t k = 0; k < along_x.size(); ++k)
-      add_weighted(half.row(y), static_cast<float>(along_x[k]), line.data() + k, width);
-  });
-  for_each_row(height, [&](size_t y) {
-    std::fill_n(out.row(y), width, 0.F);
-    for (size_t k = 0; k < along_y.size(); ++k) {
-      const size_t place = std::clamp(y + k, radius, radius + height - 1) - radius;
-      add_weighted(out.row(y), static_cast<float>(along_y[k]), half.row(place), width);
+/// out[x] = the sum of weights[k] * row(k)[x], for all x below `count`.
+template <typename RowOf>
+void add_weighted(float* out, size_t count, const Kernel& weights, const RowOf& row) {
+  constexpr size_t kChunk = 16;  // sums that stay in registers
+  for (size_t x = 0; x < count; x += kChunk) {
+    std::array<float, kChunk> sums{};
+    const size_t chunk = std::min(kChunk, count - x);
+    for (size_t k = 0; k < weights.size(); ++k) {
+      const float* const in = row(k) + x;
+      if (chunk == kChunk) {
+        for (size_t i = 0; i < kChunk; ++i) sums[i] += weights[k] * in[i];
+      } else {
+        for (size_t i = 0; i < chunk; ++i) sums[i] += weights[k] * in[i];
+      }
     }
-  });
-}
-
-/// exp(-pi^2 x^2 / b), x in degrees, not normalised.
-Kernel gaussian(double b, int radius, double pixels_per_degree) {
-  Kernel out;
-  for (int i = -radius; i <= radius; ++i) {
-    const double x = i / pixels_per_degree;
-    out.push_back(std::exp(-std::numbers::pi * std::numbers::pi * x * x / b));
+    std::copy_n(sums.begin(), chunk, out + x);
   }
-  return out;
 }
 
-double sum_of(const Kernel& kernel) {
-  double sum = 0;
-  for (const double weight : kernel) sum += weight;
-  return sum;
-}
-
-Kernel normalized(Kernel kernel) {
-  const double sum = sum_of(kernel);
-  for (double& weight : kernel) weight /= sum;
-  return kernel;
-}
-
-/// The eye's contrast sensitivity in one opponent colour (the paper): Gaussians
-/// of weight a sqrt(pi / b), together of sum 1.
-Plane sensitivity_filtered(const Plane& in, std::initializer_list<std::pair<double, double>> terms,
-                           double pixels_per_degree, Plane& half, Plane& part) {
-  constexpr double kWidest = .04;
-  const int radius = static_cast<int>(std::ceil(
-      3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixels_per_degree));
-  double total = 0;
-  std::vector<double> weights;
-  for (const auto& [a, b] : terms) {
-    const double sum = sum_of(gaussian(b, radius, pixels_per_degree));
-    weights.push_back(a * std::sqrt(std::numbers::pi / b) * sum * sum);
-    total += weights.back();
+/// Rows through `along_x`, then columns through `along_y`, into the rows of `out`, of a picture of
+/// `height` rows, whose border's pixels go on outside. `in` has those that are within reach.
+/// `half`: a buffer for the intermediate rows.
+void filter(const Rows& in, size_t height, const Kernel& along_x, const Kernel& along_y, Rows& half,
+            Rows& out) {
+  const size_t width = in.width, radius = along_x.size() / 2;
+  half.set(in.first, in.end);
+  std::vector<float> line(width + 2 * radius);
+  for (size_t y = in.first; y < in.end; ++y) {
+    const float* const row = in.row(y);
+    std::fill_n(line.begin(), radius, row[0]);
+    std::copy_n(row, width, line.begin() + static_cast<std::ptrdiff_t>(radius));
+    std::fill_n(line.rbegin(), radius, row[width - 1]);
+    add_weighted(half.row(y), width, along_x, [&](size_t k) { return line.data() + k; });
   }
-  Plane out(static_cast<int>(in.width), static_cast<int>(in.height));
-  size_t term = 0;
-  for (const auto& [a, b] : terms) {
-    const Kernel kernel = normalized(gaussian(b, radius, pixels_per_degree));
-    filter(in, kernel, kernel, half, part);
-    const auto weight = static_cast<float>(weights[term++] / total);
-    for_each_row(out.height,
-                 [&](size_t y) { add_weighted(out.row(y), weight, part.row(y), out.width); });
+  for (size_t y = out.first; y < out.end; ++y) {
+    add_weighted(out.row(y), width, along_y, [&](size_t k) {
+      return half.row(std::clamp(y + k, radius, radius + height - 1) - radius);
+    });
   }
-  return out;
 }
 
-/// Positive weights of sum 1, negative ones of sum -1.
-Kernel balanced(Kernel kernel) {
+double sum_of(const std::vector<double>& weights) {
+  return std::accumulate(weights.begin(), weights.end(), 0.);
+}
+
+/// Divides positive weights by their sum, negative ones by the size of theirs.
+Kernel normalized(const std::vector<double>& weights) {
   double positive = 0, negative = 0;
-  for (const double weight : kernel) (weight > 0 ? positive : negative) += weight;
-  for (double& weight : kernel) weight /= weight > 0 ? positive : -negative;
-  return kernel;
-}
-
-/// How strongly each pixel is part of an edge, or of a point.
-Plane feature(const Plane& luminance, bool points, double pixels_per_degree, Plane& half,
-              Plane& along_y) {
-  const double deviation = .5 * .082 * pixels_per_degree;
-  const int radius = static_cast<int>(std::ceil(3 * deviation));
-  Kernel smooth, derivative;
-  for (int i = -radius; i <= radius; ++i) {
-    const double g = std::exp(-i * i / (2 * deviation * deviation));
-    smooth.push_back(g);
-    derivative.push_back(points ? (i * i / (deviation * deviation) - 1) * g : -i * g);
+  for (const double weight : weights) (weight > 0 ? positive : negative) += weight;
+  Kernel out;
+  for (const double weight : weights) {
+    out.push_back(static_cast<float>(weight / (weight > 0 ? positive : -negative)));
   }
-  smooth = normalized(smooth);
-  derivative = balanced(derivative);
-  Plane out(static_cast<int>(luminance.width), static_cast<int>(luminance.height));
-  filter(luminance, derivative, smooth, half, out);
-  filter(luminance, smooth, derivative, half, along_y);
-  for_each_row(out.height, [&](size_t y) {
-    for (size_t x = 0; x < out.width; ++x) {
-      const float a = out.row(y)[x], b = along_y.row(y)[x];
-      out.row(y)[x] = std::sqrt(a * a + b * b);
-    }
-  });
   return out;
 }
 
-/// All that FLIP wants to know of one picture.
-struct Seen {
-  std::array<Plane, 3> colors;  ///< as through the eye, in Hunt-adjusted L*a*b*
-  Plane edges, points;
+/// The eye's contrast sensitivity in one opponent colour (the paper): Gaussians, each separable,
+/// whose weights have the sum 1.
+struct Sensitivity {
+  std::vector<Kernel> kernels;
+  Kernel weights;
 };
 
-Seen see(const Picture& picture, double pixels_per_degree) {
-  const Plane empty(picture.width, picture.height);
-  std::array<Plane, 3> planes{empty, empty, empty};
-  Plane luminance = empty;
-  for_each_row(empty.height, [&](size_t y) {
-    const float* value = picture.values.data() + 3 * y * empty.width;
-    for (size_t x = 0; x < empty.width; ++x) {
-      Triple rgb;
-      for (double& v : rgb)
-        v = std::isnan(*value) ? 0 : std::clamp(double{*value}, 0.0, 1.0), ++value;
-      const Triple opponent = ycxcz(rgb);
-      for (size_t c = 0; c < 3; ++c) planes[c].row(y)[x] = static_cast<float>(opponent[c]);
-      luminance.row(y)[x] = static_cast<float>((opponent[0] + 16) / 116);
+/// `terms`: a and b of a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees.
+Sensitivity sensitivity(const std::vector<std::pair<double, double>>& terms,
+                        double pixels_per_degree) {
+  constexpr double kPi = std::numbers::pi, kWidest = .04;
+  const int radius =
+      static_cast<int>(std::ceil(3 * std::sqrt(kWidest / (2 * kPi * kPi)) * pixels_per_degree));
+  Sensitivity out;
+  std::vector<double> weights;
+  for (const auto& [a, b] : terms) {
+    std::vector<double> gaussian;
+    for (int i = -radius; i <= radius; ++i) {
+      const double x = i / pixels_per_degree;
+      gaussian.push_back(std::exp(-kPi * kPi * x * x / b));
     }
-  });
-  Plane half = empty, part = empty;
-  Seen out{{empty, empty, empty},
-           feature(luminance, false, pixels_per_degree, half, part),
-           feature(luminance, true, pixels_per_degree, half, part)};
-  const auto filtered = [&](const Plane& in,
-                            std::initializer_list<std::pair<double, double>> terms) {
-    return sensitivity_filtered(in, terms, pixels_per_degree, half, part);
-  };
-  planes[0] = filtered(planes[0], {{1, .0047}});
-  planes[1] = filtered(planes[1], {{1, .0053}});
-  planes[2] = filtered(planes[2], {{34.1, .04}, {13.5, .025}});
-  for_each_row(empty.height, [&](size_t y) {
-    for (size_t x = 0; x < empty.width; ++x) {
-      Triple rgb = rgb_of_ycxcz({planes[0].row(y)[x], planes[1].row(y)[x], planes[2].row(y)[x]});
-      for (double& value : rgb) value = std::clamp(value, 0.0, 1.0);
-      const Color lab = hunt_lab(rgb);
-      for (size_t c = 0; c < 3; ++c) out.colors[c].row(y)[x] = lab[c];
-    }
-  });
+    const double sum = sum_of(gaussian);
+    weights.push_back(a * std::sqrt(kPi / b) * sum * sum);
+    out.kernels.push_back(normalized(gaussian));
+  }
+  out.weights = normalized(weights);
   return out;
 }
+
+struct Filters {
+  explicit Filters(double pixels_per_degree)
+      : opponent{sensitivity({{1, .0047}}, pixels_per_degree),
+                 sensitivity({{1, .0053}}, pixels_per_degree),
+                 sensitivity({{34.1, .04}, {13.5, .025}}, pixels_per_degree)} {
+    const double deviation = .5 * .082 * pixels_per_degree;
+    const int radius = static_cast<int>(std::ceil(3 * deviation));
+    std::vector<double> gaussian, first, second;
+    for (int i = -radius; i <= radius; ++i) {
+      const double g = std::exp(-i * i / (2 * deviation * deviation));
+      gaussian.push_back(g);
+      first.push_back(-i * g);
+      second.push_back((i * i / (deviation * deviation) - 1) * g);
+    }
+    smooth = normalized(gaussian);
+    edge = normalized(first);
+    point = normalized(second);
+    reach = std::max(smooth.size(), opponent[0].kernels[0].size()) / 2;
+  }
+
+  std::array<Sensitivity, 3> opponent;
+  Kernel smooth, edge, point;
+  size_t reach = 0;  ///< of the widest, in pixels
+};
+
+/// All that FLIP wants to know of some rows of one picture, with buffers that serve for others.
+class Seen {
+ public:
+  Seen(const Picture& picture, const Filters& filters, size_t most_rows)
+      : picture_(picture),
+        filters_(filters),
+        width_(static_cast<size_t>(picture.width)),
+        height_(static_cast<size_t>(picture.height)) {
+    const size_t around = most_rows + 2 * filters.reach;
+    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &luminance_, &half_})
+      *rows = Rows(width_, around);
+    for (Rows* rows : {&colors[0], &colors[1], &colors[2], &edges, &points, &part_})
+      *rows = Rows(width_, most_rows);
+  }
+
+  void look(size_t begin, size_t end) {
+    read(begin - std::min(begin, filters_.reach), std::min(height_, end + filters_.reach));
+    for (Rows* rows : {&colors[0], &colors[1], &colors[2], &edges, &points, &part_})
+      rows->set(begin, end);
+    find(filters_.edge, edges);
+    find(filters_.point, points);
+    for (size_t c = 0; c < 3; ++c) see(filters_.opponent[c], opponent_[c], colors[c]);
+    for (size_t y = begin; y < end; ++y)
+      to_lab(colors[0].row(y), colors[1].row(y), colors[2].row(y));
+  }
+
+  Color color(size_t y, size_t x) const {
+    return {colors[0].row(y)[x], colors[1].row(y)[x], colors[2].row(y)[x]};
+  }
+
+  std::array<Rows, 3> colors;  ///< as through the eye, in Hunt-adjusted L*a*b*
+  Rows edges, points;          ///< how strongly each pixel is part of one
+
+ private:
+  void read(size_t begin, size_t end) {
+    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &luminance_})
+      rows->set(begin, end);
+    for (size_t y = begin; y < end; ++y) {
+      const float* value = picture_.values.data() + 3 * y * width_;
+      for (size_t x = 0; x < width_; ++x) {
+        Triple rgb;
+        for (double& v : rgb)
+          v = std::isnan(*value) ? 0 : std::clamp(double{*value}, 0.0, 1.0), ++value;
+        const Triple opponent = ycxcz(rgb);
+        for (size_t c = 0; c < 3; ++c) opponent_[c].row(y)[x] = static_cast<float>(opponent[c]);
+        luminance_.row(y)[x] = static_cast<float>((opponent[0] + 16) / 116);
+      }
+    }
+  }
+
+  void find(const Kernel& derivative, Rows& out) {
+    filter(luminance_, height_, derivative, filters_.smooth, half_, out);
+    filter(luminance_, height_, filters_.smooth, derivative, half_, part_);
+    for (size_t y = out.first; y < out.end; ++y) {
+      for (size_t x = 0; x < width_; ++x) {
+        const float a = out.row(y)[x], b = part_.row(y)[x];
+        out.row(y)[x] = std::sqrt(a * a + b * b);
+      }
+    }
+  }
+
+  void see(const Sensitivity& sensitivity, const Rows& in, Rows& out) {
+    for (size_t term = 0; term < sensitivity.kernels.size(); ++term) {
+      const Kernel& kernel = sensitivity.kernels[term];
+      filter(in, height_, kernel, kernel, half_, part_);
+      for (size_t y = out.first; y < out.end; ++y) {
+        for (size_t x = 0; x < width_; ++x) {
+          const float before = term == 0 ? 0 : out.row(y)[x];
+          out.row(y)[x] = before + sensitivity.weights[term] * part_.row(y)[x];
+        }
+      }
+    }
+  }
+
+  /// A row of opponent colours.
+  void to_lab(float* first, float* second, float* third) const {
+    const std::array<float*, 3> rows{first, second, third};
+    for (size_t x = 0; x < width_; ++x) {
+      Triple rgb = rgb_of_ycxcz({first[x], second[x], third[x]});
+      for (double& value : rgb) value = std::clamp(value, 0.0, 1.0);
+      const Triple xyz = relative_xyz(rgb);
+      for (size_t c = 0; c < 3; ++c) rows[c][x] = static_cast<float>(xyz[c]);
+    }
+    for (float* row : rows) {
+      for (size_t x = 0; x < width_; ++x) row[x] = lab_response(row[x]);
+    }
+    for (size_t x = 0; x < width_; ++x) {
+      const Color lab = hunt_lab({first[x], second[x], third[x]});
+      for (size_t c = 0; c < 3; ++c) rows[c][x] = lab[c];
+    }
+  }
+
+  const Picture& picture_;
+  const Filters& filters_;
+  size_t width_, height_;
+  std::array<Rows, 3> opponent_;
+  Rows luminance_, half_, part_;
+};
 
 /// The colour difference raised to .7, its usual range spread over [0, .95].
 float color_error(const Color& a, const Color& b) {
   constexpr float kExponent = .7F, kUsualShare = .4F, kUsualTop = .95F;
-  static const float greatest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kExponent);
+  static const float greatest = std::pow(hyab(lab_of({0, 1, 0}), lab_of({0, 0, 1})), kExponent);
   const float usual = kUsualShare * greatest, error = std::pow(hyab(a, b), kExponent);
   const float spread = error < usual
                            ? kUsualTop * error / usual
@@ -268,18 +343,30 @@ float color_error(const Color& a, const Color& b) {
 }  // namespace
 
 std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_per_degree) {
-  const Seen first = see(a, pixels_per_degree), second = see(b, pixels_per_degree);
+  constexpr size_t kBand = 64;  // rows; with those around them, what a processor's cache may hold
+  const Filters filters(pixels_per_degree);
+  const auto width = static_cast<size_t>(a.width), height = static_cast<size_t>(a.height);
+  const size_t bands = (height + kBand - 1) / kBand;
+  const size_t threads = std::min(bands, static_cast<size_t>(core_count()));
   std::vector<float> out(a.pixels());
-  const auto color = [](const Seen& seen, size_t i) {
-    return Color{seen.colors[0].values[i], seen.colors[1].values[i], seen.colors[2].values[i]};
-  };
-  for_each_row(first.edges.height, [&](size_t y) {
-    for (size_t i = y * first.edges.width; i < (y + 1) * first.edges.width; ++i) {
-      const float difference = std::max(std::abs(first.edges.values[i] - second.edges.values[i]),
-                                        std::abs(first.points.values[i] - second.points.values[i]));
-      const float features =
-          std::clamp(std::sqrt(difference / std::numbers::sqrt2_v<float>), 0.F, 1.F);
-      out[i] = std::pow(color_error(color(first, i), color(second, i)), 1 - features);
+  for_each_parallel(threads, core_count(), [&](size_t thread) {
+    Seen first(a, filters, kBand), second(b, filters, kBand);
+    for (size_t band = thread; band < bands; band += threads) {
+      Cancellation::check();
+      const size_t begin = band * kBand, end = std::min(height, begin + kBand);
+      first.look(begin, end);
+      second.look(begin, end);
+      for (size_t y = begin; y < end; ++y) {
+        for (size_t x = 0; x < width; ++x) {
+          const float difference =
+              std::max(std::abs(first.edges.row(y)[x] - second.edges.row(y)[x]),
+                       std::abs(first.points.row(y)[x] - second.points.row(y)[x]));
+          const float features =
+              std::clamp(std::sqrt(difference / std::numbers::sqrt2_v<float>), 0.F, 1.F);
+          out[y * width + x] =
+              std::pow(color_error(first.color(y, x), second.color(y, x)), 1 - features);
+        }
+      }
     }
   });
   return out;

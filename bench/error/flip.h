@@ -14,7 +14,7 @@ inline constexpr double kUsualPixelsPerDegree = 67.0206;
 /// Alternating Images", HPG). The pictures are linear and are clamped to [0, 1]
 /// first, which is our default tone curve; what is no number counts as 0. Symmetric in both. In
 /// single precision, as the paper's own program, on all processors; their number makes no
-/// difference. Takes 40 bytes a pixel of each picture.
+/// difference.
 std::vector<float> flip_map(const Picture& a, const Picture& b,
                             double pixels_per_degree = kUsualPixelsPerDegree);
 

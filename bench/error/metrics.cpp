@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 
+#include "base/cancellation.h"
 #include "base/core_count.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -19,11 +22,12 @@ void check_alike(const Picture& a, const Picture& b) {
 
 double finite(float value) { return std::isfinite(value) ? double{value} : 0; }
 
-/// Calls visit(i) for every value of the pixels that count; returns how many there were.
+/// Calls visit(i) for every value of the pixels from `begin` to `end` that count; returns how many
+/// there were.
 template <typename Visit>
-size_t for_each_value(size_t pixels, const PixelMask& mask, const Visit& visit) {
+size_t for_each_value(size_t begin, size_t end, const PixelMask& mask, const Visit& visit) {
   size_t visited = 0;
-  for (size_t pixel = 0; pixel < pixels; ++pixel) {
+  for (size_t pixel = begin; pixel < end; ++pixel) {
     if (!counts(mask, pixel)) continue;
     for (size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) visit(i);
     visited += 3;
@@ -31,16 +35,80 @@ size_t for_each_value(size_t pixels, const PixelMask& mask, const Visit& visit) 
   return visited;
 }
 
-/// Moves all but the `kept` smallest behind these, whose largest comes last.
-void split_off_largest(std::vector<double>& values, size_t kept) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(kept) - 1,
-                   values.end());
+/// The largest of many numbers that are not negative.
+class Largest {
+ public:
+  explicit Largest(size_t most) : most_(most) {}
+
+  void add(double value) {
+    if (most_ == 0 || value < least_) return;
+    values_.push_back(value);
+    if (values_.size() >= 2 * most_) drop_rest();
+  }
+  void add(const Largest& others) {
+    for (const double value : others.values_) add(value);
+  }
+  /// The least of them, of which there are enough; infinite if none is asked for.
+  double least() {
+    if (most_ == 0) return std::numeric_limits<double>::infinity();
+    drop_rest();
+    return least_;
+  }
+
+ private:
+  void drop_rest() {
+    const auto last = values_.begin() + static_cast<std::ptrdiff_t>(most_) - 1;
+    std::nth_element(values_.begin(), last, values_.end(), std::greater<>());
+    values_.resize(most_);
+    least_ = values_.back();
+  }
+
+  size_t most_;
+  double least_ = 0;
+  std::vector<double> values_;
+};
+
+/// Of many numbers those below a limit.
+struct Below {
+  void add(double value, double limit) {
+    if (value >= limit) return;
+    sum += value;
+    largest = std::max(largest, value);
+    ++count;
+  }
+  void add(const Below& other) {
+    sum += other.sum;
+    largest = std::max(largest, other.largest);
+    count += other.count;
+  }
+
+  double sum = 0, largest = 0;
+  size_t count = 0;
+};
+
+struct Sums {
+  double squares = 0, smape = 0, relative = 0, picture = 0, reference = 0, largest = 0;
+  size_t not_finite = 0;
+};
+
+double relative_square(double d, double r) { return d * d / (r * r + .01); }
+
+/// Parts of a picture that depend on nothing but its size, and neither do sums over them then.
+constexpr size_t kPixelsOfPart = size_t{1} << 16;
+size_t parts_of(const Picture& picture) {
+  return (picture.pixels() + kPixelsOfPart - 1) / kPixelsOfPart;
 }
 
-double mean_of_first(const std::vector<double>& values, size_t count) {
-  double sum = 0;
-  for (size_t i = 0; i < count; ++i) sum += values[i];
-  return sum / static_cast<double>(count);
+/// Calls work(thread, part, begin, end) for the pixels of each part on as many `threads`.
+template <typename Work>
+void for_each_part(const Picture& picture, size_t threads, const Work& work) {
+  for_each_parallel(threads, core_count(), [&](size_t thread) {
+    for (size_t part = thread; part < parts_of(picture); part += threads) {
+      Cancellation::check();
+      const size_t begin = part * kPixelsOfPart;
+      work(thread, part, begin, std::min(picture.pixels(), begin + kPixelsOfPart));
+    }
+  });
 }
 
 }  // namespace
@@ -48,35 +116,76 @@ double mean_of_first(const std::vector<double>& values, size_t count) {
 PictureError picture_error(const Picture& picture, const Picture& reference, const PixelMask& mask,
                            bool with_flip) {
   check_alike(picture, reference);
-  PictureError out;
-  std::vector<double> errors, relative;
-  errors.reserve(picture.values.size());
-  relative.reserve(picture.values.size());
-  double sum = 0, sum_reference = 0;
-  const size_t values = for_each_value(picture.pixels(), mask, [&](size_t i) {
-    if (!std::isfinite(picture.values[i])) ++out.not_finite;
-    const double x = finite(picture.values[i]), r = finite(reference.values[i]), d = x - r;
-    out.mse += d * d;
-    out.smape += 2 * std::abs(d) / (std::abs(x) + std::abs(r) + .01);
-    errors.push_back(std::abs(d));
-    relative.push_back(d * d / (r * r + .01));
-    sum += x;
-    sum_reference += r;
-  });
+  const size_t values = for_each_value(0, picture.pixels(), mask, [](size_t) {});
   TESSERA_CHECK(values > 0, "no pixel counts");
+  const size_t trimmed = values / 1000, kept = values - trimmed;
+  const size_t threads = std::min(parts_of(picture), static_cast<size_t>(core_count()));
+
+  std::vector<Sums> sums(parts_of(picture));
+  std::vector<Largest> errors(threads, Largest(trimmed)), relatives = errors;
+  for_each_part(picture, threads, [&](size_t thread, size_t part, size_t begin, size_t end) {
+    Sums s;
+    for_each_value(begin, end, mask, [&](size_t i) {
+      if (!std::isfinite(picture.values[i])) ++s.not_finite;
+      const double x = finite(picture.values[i]), r = finite(reference.values[i]), d = x - r;
+      const double error = std::abs(d), relative = relative_square(d, r);
+      s.squares += d * d;
+      s.smape += 2 * error / (std::abs(x) + std::abs(r) + .01);
+      s.relative += relative;
+      s.picture += x;
+      s.reference += r;
+      s.largest = std::max(s.largest, error);
+      errors[thread].add(error);
+      relatives[thread].add(relative);
+    });
+    sums[part] = s;
+  });
+  Sums all;
+  for (const Sums& s : sums) {
+    all.squares += s.squares;
+    all.smape += s.smape;
+    all.relative += s.relative;
+    all.picture += s.picture;
+    all.reference += s.reference;
+    all.largest = std::max(all.largest, s.largest);
+    all.not_finite += s.not_finite;
+  }
+  for (size_t thread = 1; thread < threads; ++thread) {
+    errors[0].add(errors[thread]);
+    relatives[0].add(relatives[thread]);
+  }
+
+  // Without the largest thousandth, rounded down. Of those that equal its least, some remain.
+  const double least_error = errors[0].least(), least_relative = relatives[0].least();
+  std::vector<Below> errors_below(parts_of(picture)), relatives_below = errors_below;
+  for_each_part(picture, threads, [&](size_t, size_t part, size_t begin, size_t end) {
+    Below e, r;
+    for_each_value(begin, end, mask, [&](size_t i) {
+      const double truth = finite(reference.values[i]), d = finite(picture.values[i]) - truth;
+      e.add(std::abs(d), least_error);
+      r.add(relative_square(d, truth), least_relative);
+    });
+    errors_below[part] = e;
+    relatives_below[part] = r;
+  });
+  Below error_below, relative_below;
+  for (const Below& below : errors_below) error_below.add(below);
+  for (const Below& below : relatives_below) relative_below.add(below);
+  const size_t equal = kept - relative_below.count;
+  const double relative_kept =
+      relative_below.sum + (equal > 0 ? static_cast<double>(equal) * least_relative : 0);
+
   const auto count = static_cast<double>(values);
-  out.mse /= count;
+  PictureError out;
+  out.mse = all.squares / count;
   out.rmse = std::sqrt(out.mse);
-  out.smape /= count;
-  out.rel_mse = mean_of_first(relative, relative.size());
-  out.max_error = *std::max_element(errors.begin(), errors.end());
-  // Without the largest thousandth, rounded down.
-  const size_t kept = errors.size() - errors.size() / 1000;
-  for_each_parallel(2, core_count(),
-                    [&](size_t i) { split_off_largest(i == 0 ? relative : errors, kept); });
-  out.trimmed_rel_mse = mean_of_first(relative, kept);
-  out.error_99_9 = errors[kept - 1];
-  out.mean_ratio = sum_reference != 0 ? sum / sum_reference : 0;
+  out.smape = all.smape / count;
+  out.rel_mse = all.relative / count;
+  out.trimmed_rel_mse = relative_kept / static_cast<double>(kept);
+  out.max_error = all.largest;
+  out.error_99_9 = error_below.count < kept ? least_error : error_below.largest;
+  out.mean_ratio = all.reference != 0 ? all.picture / all.reference : 0;
+  out.not_finite = all.not_finite;
   if (with_flip) out.flip = mean_flip(picture, reference, mask);
   return out;
 }
@@ -90,7 +199,7 @@ Picture Reference::mean() const {
 
 double Reference::error(const PixelMask& mask) const {
   double sum = 0;
-  const size_t values = for_each_value(first.pixels(), mask, [&](size_t i) {
+  const size_t values = for_each_value(0, first.pixels(), mask, [&](size_t i) {
     const double d = finite(first.values[i]) - finite(second.values[i]);
     sum += d * d;
   });
@@ -101,7 +210,7 @@ double mean_square_error(const Picture& picture, const Reference& reference,
                          const PixelMask& mask) {
   check_alike(picture, reference.first);
   double sum = 0;
-  const size_t values = for_each_value(picture.pixels(), mask, [&](size_t i) {
+  const size_t values = for_each_value(0, picture.pixels(), mask, [&](size_t i) {
     const double x = finite(picture.values[i]);
     sum += (x - finite(reference.first.values[i])) * (x - finite(reference.second.values[i]));
   });

@@ -99,7 +99,8 @@ void Job::stop(uint32_t frame) {
   const auto is_it = [frame](const Running& running) { return running.frame == frame; };
   const auto it = std::find_if(running_.begin(), running_.end(), is_it);
   if (it == running_.end()) return;
-  traced_before_ += it->active->traced();
+  traced_before_.tiles += it->active->traced();
+  traced_before_.seconds += it->active->scheduler().costs().known().seconds;
   running_.erase(it);
 }
 
@@ -155,7 +156,7 @@ void Job::put_aside(uint32_t frame) {
     if (running.frame != frame) continue;
     set_stored(frame, running.active->assembler().tiles_done());
     scene_failures_[frame] = running.active->scene_failures();
-    last_costs_ = std::move(running.active->scheduler().costs());
+    last_costs_ = running.active->scheduler().costs();
   }
   stop(frame);
   next_frame_ = std::min(next_frame_, frame);
@@ -175,10 +176,29 @@ void Job::reopen(uint32_t frame, uint64_t stored) {
   set_stored(frame, stored);
 }
 
-uint64_t Job::traced() const {
-  uint64_t count = traced_before_;
-  for (const Running& running : running_) count += running.active->traced();
-  return count;
+TileWork Job::traced() const {
+  TileWork work = traced_before_;
+  for (const Running& running : running_) {
+    work.tiles += running.active->traced();
+    work.seconds += running.active->scheduler().costs().known().seconds;
+  }
+  return work;
+}
+
+TileWork Job::left(uint64_t tiles) const {
+  TileWork begun, seen = last_costs_ ? last_costs_->known() : TileWork{};
+  for (const Running& running : running_) {
+    const TileScheduler& scheduler = running.active->scheduler();
+    const TileWork known = scheduler.costs().known(), left = scheduler.left();
+    begun.tiles += left.tiles;
+    begun.seconds += left.seconds;
+    seen.tiles += known.tiles + left.tiles;
+    seen.seconds += known.seconds + left.seconds;
+  }
+  // The other frames' tiles are as those of the frames that were seen, in the mean.
+  const uint64_t others = tiles - std::min(tiles, begun.tiles);
+  const double mean = seen.seconds / static_cast<double>(std::max<uint64_t>(1, seen.tiles));
+  return {tiles, begun.seconds + mean * static_cast<double>(others)};
 }
 
 size_t Job::leases() const {
@@ -195,7 +215,7 @@ bool Job::works(const std::vector<int32_t>& served) const {
 }
 
 void Job::account(Time now, bool works) {
-  meter_.account(now, works, traced());
+  meter_.account(now, works, traced(), tiles_per_frame_ * ends_.size());
   const double seconds = to_seconds(now - std::exchange(counted_until_, now));
   worker_seconds_ += static_cast<double>(leases()) * seconds;
 }
@@ -236,10 +256,10 @@ JobProgress Job::progress(Time now, bool works) const {
   progress.elapsed_seconds = meter_.seconds(now, works);
   progress.remaining_seconds = -1;
   if (works) {
-    const uint64_t left =
+    const uint64_t open =
         progress.tiles_total - std::min(progress.tiles_done, progress.tiles_total);
     progress.remaining_seconds =
-        meter_.remaining_seconds(traced(), left, progress.tiles_total, leases());
+        meter_.remaining_seconds(traced(), left(open), progress.tiles_total, leases());
   }
   return progress;
 }

@@ -123,7 +123,10 @@ class Job {
   size_t leases() const;
 
  private:
-  uint64_t traced() const;
+  /// In this process.
+  TileWork traced() const;
+  /// What will be traced until all of `tiles` are done.
+  TileWork left(uint64_t tiles) const;
   /// Takes it out of running_.
   void stop(uint32_t frame);
 
@@ -139,7 +142,7 @@ class Job {
   Time counted_until_{};
   bool begun_ = false;
   WorkMeter meter_;
-  uint64_t traced_before_ = 0;           ///< in frames that are not being traced any more
+  TileWork traced_before_;               ///< in frames that are not being traced any more
   std::map<uint32_t, uint64_t> stored_;  ///< tiles, by frame
   std::map<uint32_t, Hold> holds_;       ///< by frame
   std::map<uint32_t, int> pauses_;       ///< by frame

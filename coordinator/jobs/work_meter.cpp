@@ -3,25 +3,24 @@
 #include <algorithm>
 #include <utility>
 
-#include "job/job.h"
-
 namespace tessera {
 namespace {
 
-constexpr size_t kMostMarks = 256;
-/// The rate is that of so small a share of all tiles, so that a tenth at a steady rate, with a step
-/// between marks, covers it.
-constexpr uint64_t kWindows = 16;
+/// The rate is that of a sixteenth of all tiles. Marks are a thousandth apart and go back a
+/// quarter.
+constexpr uint64_t kWindows = 16, kSteps = 1024, kReach = 4;
+/// Tiles that tell what one takes in the mean: so many, or a quarter of all.
+constexpr uint64_t kEnough = 32;
 
 }  // namespace
 
-void WorkMeter::account(Time now, bool works, uint64_t traced) {
+void WorkMeter::account(Time now, bool works, TileWork traced, uint64_t total) {
   // Tiles that do not count any more take the time that they took along.
-  while (marks_.size() > 1 && marks_.back().traced > traced) marks_.pop_back();
-  if (traced > marks_.back().traced) marks_.push_back({worked_, traced});
-  if (marks_.size() > kMostMarks) {
-    size_t index = 0;
-    std::erase_if(marks_, [&index](const Mark&) { return index++ % 2 == 1; });
+  while (marks_.size() > 1 && marks_.back().traced.tiles > traced.tiles) marks_.pop_back();
+  const uint64_t step = std::max<uint64_t>(1, total / kSteps);
+  if (traced.tiles >= marks_.back().traced.tiles + step) marks_.push_back({worked_, traced});
+  while (marks_.size() > 2 && marks_[1].traced.tiles + total / kReach < traced.tiles) {
+    marks_.pop_front();
   }
   if (now <= counted_until_) return;
   const Time since = now - std::exchange(counted_until_, now);
@@ -33,23 +32,29 @@ double WorkMeter::seconds(Time now, bool works) const {
   return before_ + to_seconds(worked_ + since);
 }
 
-WorkMeter::Mark WorkMeter::latest(uint64_t traced) const {
-  return traced > marks_.back().traced ? Mark{worked_, traced} : marks_.back();
+WorkMeter::Mark WorkMeter::latest(TileWork traced) const {
+  return traced.tiles > marks_.back().traced.tiles ? Mark{worked_, traced} : marks_.back();
 }
 
-double WorkMeter::remaining_seconds(uint64_t traced, uint64_t left, uint64_t total,
+double WorkMeter::remaining_seconds(TileWork traced, TileWork left, uint64_t total,
                                     uint64_t in_flight) const {
   const Mark end = latest(traced);
+  if (end.traced.tiles < kEnough && 3 * end.traced.tiles < left.tiles) return -1;
   const uint64_t window = std::max({uint64_t{1}, total / kWindows, 2 * in_flight});
   auto start = marks_.end();
   do {
     --start;
   } while (start != marks_.begin() &&
-           (start->traced + window > end.traced || start->worked == end.worked));
-  if (end.traced <= start->traced || end.worked == start->worked) return -1;
-  const double mean =
-      to_seconds(end.worked - start->worked) / static_cast<double>(end.traced - start->traced);
-  return tessera::remaining_seconds(mean * static_cast<double>(end.traced), end.traced, left);
+           (start->traced.tiles + window > end.traced.tiles || start->worked == end.worked));
+  if (end.traced.tiles <= start->traced.tiles || end.worked == start->worked) return -1;
+  const double worked = to_seconds(end.worked - start->worked);
+  const double seconds = end.traced.seconds - start->traced.seconds;
+  // Where nobody knows what tiles take, all take the same.
+  if (!(seconds > 0) || !(left.seconds > 0)) {
+    const uint64_t tiles = end.traced.tiles - start->traced.tiles;
+    return worked * static_cast<double>(left.tiles) / static_cast<double>(tiles);
+  }
+  return worked * left.seconds / seconds;
 }
 
 }  // namespace tessera

@@ -17,6 +17,9 @@ constexpr float kUnknown = -1;
 /// which see the same part of the scene.
 constexpr int kLeastRank = -2, kMostRank = 4;
 
+/// How much a tile that many columns and rows away tells of another.
+double nearness(int x, int y) { return std::exp(-(x * x + y * y) / 1.5); }
+
 }  // namespace
 
 TileCosts::TileCosts(const std::vector<PixelRect>& tiles, int tile_size)
@@ -31,13 +34,12 @@ TileCosts::TileCosts(const std::vector<PixelRect>& tiles, int tile_size)
   if (tiles.empty()) return;
   columns_ = static_cast<uint32_t>(last_x - first_x + 1);
   rows_ = static_cast<uint32_t>(last_y - first_y + 1);
-  tile_in_.resize(static_cast<size_t>(columns_) * rows_);
+  near_.resize(static_cast<size_t>(columns_) * rows_);
   cell_of_.reserve(tiles.size());
   for (uint32_t i = 0; i < tiles.size(); ++i) {
     const auto x = static_cast<uint32_t>(tiles[i].x0 / tile_size - first_x);
     const auto y = static_cast<uint32_t>(tiles[i].y0 / tile_size - first_y);
     cell_of_.push_back(y * columns_ + x);
-    tile_in_[cell_of_.back()] = i;
   }
 }
 
@@ -54,34 +56,31 @@ void TileCosts::learn_from(const TileCosts& earlier) {
 void TileCosts::note(uint32_t tile, double seconds) {
   // What is not a number is left out, and nobody has traced a tile for years.
   if (!(seconds >= 0 && seconds < 1e8)) return;
-  if (seconds_[tile] < 0) {
-    ++known_;
-  } else {
-    sum_ -= static_cast<double>(seconds_[tile]);
-  }
+  const bool is_new = seconds_[tile] < 0;
+  const auto before = static_cast<double>(is_new ? 0 : seconds_[tile]);
   seconds_[tile] = static_cast<float>(seconds);
-  sum_ += static_cast<double>(seconds_[tile]);
+  const double more = static_cast<double>(seconds_[tile]) - before;
+  known_ += is_new;
+  sum_ += more;
+  const int columns = static_cast<int>(columns_), rows = static_cast<int>(rows_);
+  for (int y = std::max(0, cell_y(tile) - kNeighbours);
+       y <= std::min(rows - 1, cell_y(tile) + kNeighbours); ++y) {
+    for (int x = std::max(0, cell_x(tile) - kNeighbours);
+         x <= std::min(columns - 1, cell_x(tile) + kNeighbours); ++x) {
+      Known& near = near_[static_cast<size_t>(y) * columns_ + static_cast<size_t>(x)];
+      const double weight = nearness(x - cell_x(tile), y - cell_y(tile));
+      near.seconds += weight * more;
+      near.weight += is_new ? weight : 0;
+    }
+  }
 }
 
 std::optional<double> TileCosts::predict(uint32_t tile) const {
   if (seconds_[tile] >= 0) return seconds_[tile];
   if (!earlier_.empty() && earlier_[tile] >= 0) return earlier_[tile];
   if (known_ == 0) return std::nullopt;
-  double sum = 0;
-  int count = 0;
-  const int columns = static_cast<int>(columns_), rows = static_cast<int>(rows_);
-  for (int y = std::max(0, cell_y(tile) - kNeighbours);
-       y <= std::min(rows - 1, cell_y(tile) + kNeighbours); ++y) {
-    for (int x = std::max(0, cell_x(tile) - kNeighbours);
-         x <= std::min(columns - 1, cell_x(tile) + kNeighbours); ++x) {
-      const size_t cell = static_cast<size_t>(y) * columns_ + static_cast<size_t>(x);
-      const float seconds = seconds_[tile_in_[cell]];
-      if (seconds < 0) continue;
-      sum += static_cast<double>(seconds);
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : sum_ / static_cast<double>(known_);
+  const Known& near = near_[cell_of_[tile]];
+  return near.weight > 0 ? near.seconds / near.weight : sum_ / static_cast<double>(known_);
 }
 
 double TileCosts::mean() const {

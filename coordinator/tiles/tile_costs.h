@@ -10,9 +10,15 @@
 
 namespace tessera {
 
+/// Some tiles, and what they take together, in seconds of one thread; 0: nobody knows.
+struct TileWork {
+  uint64_t tiles = 0;
+  double seconds = 0;
+};
+
 /// What the tiles of a frame will take, in seconds of one thread: what they took in an earlier
-/// frame of the same grid or else, in the mean, what their finished neighbours took. Plain values;
-/// no clock.
+/// frame of the same grid or else what their finished neighbours took, near ones above all. Plain
+/// values; no clock.
 class TileCosts {
  public:
   /// The tiles of a grid of that size, as cut_tiles() orders them.
@@ -24,6 +30,8 @@ class TileCosts {
   void note(uint32_t tile, double seconds);
   /// Nothing while nothing is known.
   std::optional<double> predict(uint32_t tile) const;
+  /// The tiles of this frame that note() told of.
+  TileWork known() const { return {known_, sum_}; }
 
   /// Whether tiles should be put in order again: so much more is known.
   bool order_is_due() const { return known_ >= next_order_; }
@@ -41,8 +49,12 @@ class TileCosts {
 
   std::vector<PixelRect> tiles_;
   uint32_t columns_ = 0, rows_ = 0;
-  std::vector<uint32_t> cell_of_, tile_in_;  ///< of tiles, of cells
-  std::vector<float> seconds_, earlier_;     ///< by tile; below 0: not known
+  std::vector<uint32_t> cell_of_;         ///< by tile
+  std::vector<float> seconds_, earlier_;  ///< by tile; below 0: not known
+  struct Known {
+    double seconds = 0, weight = 0;
+  };
+  std::vector<Known> near_;  ///< what is known around each cell
   double sum_ = 0;
   size_t known_ = 0, next_order_ = 0;
 };

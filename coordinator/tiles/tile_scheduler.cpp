@@ -19,6 +19,8 @@ constexpr size_t kDurationsKept = 1024;
 constexpr Time kAtOnce = std::chrono::milliseconds(100);
 // The upper bits of a lease: a tag of the coordinator that gave it, and which of its leases it is.
 constexpr int kTagShift = 52, kCountShift = 32;
+/// How often, in a frame, the costs of all its open tiles are added up.
+constexpr size_t kForecasts = 128;
 
 std::vector<PixelRect> row_of_pixels(size_t count) {
   std::vector<PixelRect> result;
@@ -178,6 +180,22 @@ TileScheduler::TileView TileScheduler::view(uint32_t index) const {
 std::optional<double> TileScheduler::mean_seconds() const {
   if (durations_.empty()) return std::nullopt;
   return to_seconds(duration_sum_) / static_cast<double>(durations_.size());
+}
+
+TileWork TileScheduler::left() const {
+  auto& [due, mean] = mean_left_;
+  const uint64_t known = costs_.known().tiles;
+  if (open_tiles_ > 0 && known >= due) {
+    double sum = 0;
+    for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+      const State state = tiles_[tile].state;
+      const bool open = state == State::pending || state == State::leased;
+      if (open) sum += costs_.predict(tile).value_or(0);
+    }
+    mean = sum / static_cast<double>(open_tiles_);
+    due = known + 1 + tiles_.size() / kForecasts;
+  }
+  return {open_tiles_, mean * static_cast<double>(open_tiles_)};
 }
 
 size_t TileScheduler::depth(uint32_t threads) const {

@@ -192,6 +192,8 @@ class TileScheduler {
   static uint32_t tile_of(LeaseId lease) { return TilePiece::of(lease).tile; }
   TileCosts& costs() { return costs_; }
   const TileCosts& costs() const { return costs_; }
+  /// The tiles that are neither done nor given up, and what they will take, as far as is foreseen.
+  TileWork left() const;
   /// Tiles that were split at the end of the queue, and what moved to an idle worker before another
   /// had begun with it.
   uint64_t split_tiles() const { return split_tiles_; }
@@ -288,6 +290,8 @@ class TileScheduler {
   /// What straggler_age() found, and among how many durations: it is asked for far more often than
   /// it changes.
   mutable std::pair<size_t, Time> straggler_age_{};
+  /// What an open tile will take in the mean, and how many costs must be known to ask again.
+  mutable std::pair<size_t, double> mean_left_{};
   std::optional<Time> lately_;  ///< how long these take now
   size_t open_tiles_;
   uint64_t leases_issued_ = 0, retries_ = 0, speculative_ = 0, late_copies_ = 0, verified_ = 0,

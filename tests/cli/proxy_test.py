@@ -84,6 +84,7 @@ class Proxy(ServiceTest):
         self.stop(service)
         service = self.serve("--http", f"127.0.0.1:{port}", "--http-origin", self.public + "/tessera")
         self.assertEqual(f"page at {self.public}/tessera/\n", service.stdout.readline())
+        wait_until(lambda: self.ask_page(f"api/v1/jobs/{job}") == 200, "the job is known again")
         self.assertEqual(200, self.ask_page(f"api/v1/jobs/{job}/pause", {}, Origin=self.public))
         for other in ("https://evil.example", "https://localhost", f"http://localhost:{self.port}", "null"):
             self.assertEqual(403, self.ask_page(f"api/v1/jobs/{job}/resume", {}, Origin=other), other)

@@ -1,4 +1,6 @@
 // How far a job is, how long it was worked on and how long it will take.
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "tests/unit/coordinator/service_fixture.h"
@@ -85,6 +87,39 @@ TEST_F(Progress, WhatIsStoredCountsBeforeTheJobIsBegun) {
   EXPECT_EQ(look(id).tiles_restored(), 62u);
   EXPECT_EQ(look(id).elapsed_seconds(), 62);
   EXPECT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, 62u);
+}
+
+TEST_F(Progress, IsNotMisledByTilesOfUnequalCosts) {
+  // A disc in the middle takes up to fifty times as long as what is around it.
+  constexpr int kColumns = 40, kSide = 16 * kColumns;
+  const auto cost = [](int x0, int y0) {
+    const double away = std::hypot(x0 / 16 - 24, y0 / 16 - 14) / 12;
+    return milliseconds(20 + static_cast<int>(1000 * std::max(0., 1 - away)));
+  };
+  Time left{};
+  for (int y = 0; y < kSide; y += 16) {
+    for (int x = 0; x < kSide; x += 16) left += cost(x, y);
+  }
+  const uint64_t id = submit(1, 0, kSide, 1, 1, now);
+  come_now();
+  int looks = 0;
+  while (traced < assigned().size()) {
+    const v1::Assign assign = assigned()[traced++];
+    const Time took = cost(assign.rect().x0(), assign.rect().y0());
+    now += took;
+    left -= took;
+    v1::Envelope message = band(assign, 1);
+    message.mutable_tile_band()->set_trace_microseconds(
+        static_cast<uint64_t>(to_seconds(took) * 1e6));
+    say("w1", message, now);
+    if (10 * traced < size_t{kColumns * kColumns} || left == Time{}) continue;
+    const double told = look(id).remaining_seconds(), right = to_seconds(left);
+    ++looks;
+    ASSERT_LT(told, 2 * right) << traced;
+    ASSERT_GT(2 * told, right) << traced;
+  }
+  EXPECT_EQ(left, Time{});
+  EXPECT_GT(looks, 1400);
 }
 
 TEST_F(Progress, TurnsOfEqualJobsCountForBoth) {

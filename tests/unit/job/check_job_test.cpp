@@ -7,16 +7,6 @@
 namespace tessera {
 namespace {
 
-TEST(RemainingSeconds, AreNotGuessedFromTheFirstTiles) {
-  EXPECT_LT(remaining_seconds(1, 0, 0), 0);
-  EXPECT_LT(remaining_seconds(1, 1, 509), 0);
-  EXPECT_LT(remaining_seconds(1, 31, 479), 0);
-  EXPECT_EQ(remaining_seconds(2, 32, 480), 30);
-  EXPECT_LT(remaining_seconds(1, 1, 4), 0);
-  EXPECT_EQ(remaining_seconds(1, 1, 3), 3) << "a quarter of a few";
-  EXPECT_EQ(remaining_seconds(1, 4, 0), 0);
-}
-
 JobSpec job_of(int width, int height, AovSet aovs) {
   JobSpec spec;
   spec.frame.set_width(static_cast<uint32_t>(width));

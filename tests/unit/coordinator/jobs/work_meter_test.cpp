@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+#include <numeric>
 #include <random>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -12,28 +16,62 @@ using std::chrono::seconds;
 
 TEST(WorkMeter, TimeInWhichNobodyWorksDoesNotCount) {
   WorkMeter meter(100);
-  meter.account(seconds(5000), false, 0);
-  meter.account(seconds(5010), true, 0);
+  meter.account(seconds(5000), false, {}, 80);
+  meter.account(seconds(5010), true, {}, 80);
   EXPECT_EQ(meter.seconds(seconds(5012), true), 112);
   EXPECT_EQ(meter.seconds(seconds(5012), false), 110);
-  meter.account(seconds(9000), false, 40);
-  EXPECT_EQ(meter.remaining_seconds(40, 40, 80, 2), 10);
+  meter.account(seconds(9000), false, {.tiles = 40}, 80);
+  EXPECT_EQ(meter.remaining_seconds({.tiles = 40}, {.tiles = 40}, 80, 2), 10);
 }
 
 TEST(WorkMeter, TellsNothingBeforeItKnows) {
   WorkMeter meter;
-  EXPECT_LT(meter.remaining_seconds(0, 100, 100, 4), 0);
-  meter.account(seconds(1), false, 40);
-  EXPECT_LT(meter.remaining_seconds(40, 60, 100, 4), 0) << "all of them in no time";
+  EXPECT_LT(meter.remaining_seconds({}, {.tiles = 100}, 100, 4), 0);
+  meter.account(seconds(1), false, {.tiles = 40}, 100);
+  EXPECT_LT(meter.remaining_seconds({.tiles = 40}, {.tiles = 60}, 100, 4), 0)
+      << "all of them in no time";
+}
+
+TEST(WorkMeter, DoesNotGuessFromTheFirstTiles) {
+  const auto left_after = [](Time worked, uint64_t traced, uint64_t left) {
+    WorkMeter meter;
+    meter.account(worked, true, {}, traced + left);
+    meter.account(worked, true, {.tiles = traced}, traced + left);
+    return meter.remaining_seconds({.tiles = traced}, {.tiles = left}, traced + left, 1);
+  };
+  EXPECT_LT(left_after(seconds(1), 1, 509), 0);
+  EXPECT_LT(left_after(seconds(1), 31, 479), 0);
+  EXPECT_EQ(left_after(seconds(2), 32, 480), 30);
+  EXPECT_LT(left_after(seconds(1), 1, 4), 0);
+  EXPECT_EQ(left_after(seconds(1), 1, 3), 3) << "a quarter of a few";
+  EXPECT_EQ(left_after(seconds(1), 4, 0), 0);
+}
+
+TEST(WorkMeter, WhatIsLeftCountsByWhatItTakes) {
+  WorkMeter meter;
+  // Two threads: the costly half first.
+  meter.account(seconds(100), true, {}, 100);
+  const TileWork traced{.tiles = 50, .seconds = 200};
+  meter.account(seconds(100), true, traced, 100);
+  EXPECT_EQ(meter.remaining_seconds(traced, {.tiles = 50, .seconds = 20}, 100, 2), 10);
 }
 
 /// A job of a random number of tiles, with all that may happen to it.
 class History {
  public:
   explicit History(uint64_t seed) : random_(seed) {
-    tiles_ = 40 + draw(2000);
+    tiles_ = 40 + draw(draw(20) == 0 ? 100'000 : 2000);
     threads_ = 1 + draw(std::max<uint64_t>(1, tiles_ / 40));
     tile_ = milliseconds(10 + draw(5000));
+    for (uint64_t i = 0; i < tiles_; ++i) costs_.push_back(1 << draw(7));
+    // One of sixteen tells of the others, of which costly ones come first.
+    std::sort(costs_.begin() + static_cast<std::ptrdiff_t>(tiles_ / 16), costs_.end(),
+              std::greater<>());
+    if (draw(4) == 0) {
+      costs_.assign(tiles_, 1);
+      tells_costs_ = draw(2) == 0;
+    }
+    cost_left_ = std::accumulate(costs_.begin(), costs_.end(), int64_t{0});
   }
 
   void run() {
@@ -45,8 +83,9 @@ class History {
         case 1:
           // The coordinator is started anew.
           meter_ = WorkMeter(meter_.seconds(now_, false));
-          meter_.account(now_, false, 0);
-          traced_ = steady_ = 0;
+          meter_.account(now_, false, {}, tiles_);
+          traced_ = {};
+          steady_ = 0;
           break;
         case 2:
           // Workers come or go, or the tiles are of another kind.
@@ -55,15 +94,16 @@ class History {
           break;
         case 3:
           // What was traced comes to nothing.
-          work(tile_ / threads_);
+          work(tile_ * costs_[done_] / threads_);
           steady_ = 0;
           break;
         default:
           break;
       }
-      work(tile_ / threads_);
-      ++done_;
-      ++traced_;
+      work(tile_ * costs_[done_] / threads_);
+      ++traced_.tiles;
+      if (tells_costs_) traced_.seconds += to_seconds(tile_ * costs_[done_]);
+      cost_left_ -= costs_[done_++];
       ++steady_;
       if (10 * steady_ > tiles_) check();
     }
@@ -72,24 +112,29 @@ class History {
 
  private:
   uint64_t draw(uint64_t below) { return random_() % below; }
-  double left() { return meter_.remaining_seconds(traced_, tiles_ - done_, tiles_, threads_); }
+  /// Of one thread, at the present rate.
+  double seconds_left() const { return to_seconds(tile_ * cost_left_); }
+  double left() {
+    const TileWork left{tiles_ - done_, tells_costs_ ? seconds_left() : 0};
+    return meter_.remaining_seconds(traced_, left, tiles_, threads_);
+  }
   void work(Time time) {
-    meter_.account(now_, true, traced_);
+    meter_.account(now_, true, traced_, tiles_);
     now_ += time;
     worked_ += time;
-    meter_.account(now_, true, traced_);
+    meter_.account(now_, true, traced_, tiles_);
   }
   void wait() {
     const double before = left();
     for (int i = 0; i < 3; ++i) {
       now_ += seconds(draw(100'000));
-      meter_.account(now_, false, traced_);
+      meter_.account(now_, false, traced_, tiles_);
       ASSERT_EQ(left(), before);
     }
   }
   void check() {
     const double told = left();
-    const double right = to_seconds(tile_ / threads_) * static_cast<double>(tiles_ - done_);
+    const double right = seconds_left() / static_cast<double>(threads_);
     if (told < 0) return;
     ASSERT_LE(told, 2 * right + 1e-9) << done_ << " of " << tiles_;
     ASSERT_GE(2 * told + 1e-9, right) << done_ << " of " << tiles_;
@@ -98,7 +143,11 @@ class History {
   std::mt19937_64 random_;
   WorkMeter meter_;
   Time now_{}, worked_{}, tile_{};
-  uint64_t tiles_ = 0, threads_ = 1, done_ = 0, traced_ = 0, steady_ = 0;
+  uint64_t tiles_ = 0, threads_ = 1, done_ = 0, steady_ = 0;
+  std::vector<int64_t> costs_;  ///< of tiles in the order in which they are traced
+  int64_t cost_left_ = 0;
+  bool tells_costs_ = true;
+  TileWork traced_;
 };
 
 TEST(WorkMeter, IsNeverMoreThanTwiceOffOnceATenthIsDoneAtASteadyRate) {
