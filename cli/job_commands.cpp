@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -117,8 +116,9 @@ ExitCode retry(const JobOptions& options) {
   }
   Connection connection(options.connection);
   std::vector<uint64_t> jobs;
-  if (!options.all_failed) jobs = {find_job_to_change(connection.client, options.job)};
-  if (options.all_failed) {
+  if (!options.all_failed) {
+    jobs = {find_job_to_change(connection.client, options.job)};
+  } else {
     const v1::JobList list = connection.client.list();
     for (const v1::JobStatus& job : list.jobs()) {
       if (may_be_retried(job)) jobs.push_back(job.job());
@@ -215,7 +215,7 @@ void add_job_commands(CLI::App& app, Action& action) {
   add_order(app, action, "resume", "Go on with a job that was paused",
             "Examples:\n"
             "  tessera resume 7\n"
-            "  tessera resume 7 --priority 10     go on, before all others",
+            "  tessera resume 7 --priority 10     go on, before jobs of lower priority",
             v1::JobQuery::RESUME);
   auto options = std::make_shared<JobOptions>();
   CLI::App* command =

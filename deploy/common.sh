@@ -1,6 +1,11 @@
 # Shared by the scripts of this folder and of .ci; to be sourced. Everything runs from the repository's root.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# Written by the compilers of this script and of those that it calls.
+if [[ -z ${CCACHE_STATSLOG:-} ]]; then
+  export CCACHE_STATSLOG=$PWD/build/ccache_stats.log
+  rm -f "$CCACHE_STATSLOG"
+fi
 
 phases=()  # "SECONDS NAME" of each phase that has begun, SECONDS being when it did
 failure=
@@ -24,7 +29,7 @@ tell_end() {
     printf '%7d  %.80s\n' $((until - ${phases[i]%% *})) "${phases[i]#* }"
   done
   printf '%7d  in all\n' "$SECONDS"
-  if [[ -s ${CCACHE_STATSLOG:-} ]]; then
+  if [[ -s $CCACHE_STATSLOG ]]; then
     printf 'compiler cache: %d hits, %d misses\n' \
       "$(grep -cE '(direct|preprocessed)_cache_hit' "$CCACHE_STATSLOG")" "$(grep -c '^cache_miss' "$CCACHE_STATSLOG")"
   fi
@@ -48,7 +53,7 @@ install_packages() {
     done
   done < <(grep -v '^#' deploy/packages.txt)
   if ((${#missing[@]} == 0)); then
-    say "All Debian packages needed for: $* are installed"
+    printf 'All Debian packages needed for %s are installed.\n' "$*"
     return
   fi
   command -v apt-get >/dev/null ||
@@ -60,7 +65,7 @@ install_packages() {
   fi
   say "Installing ${#missing[@]} Debian packages: ${missing[*]}"
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q --error-on=any ||
-    say "apt-get could not read all of its lists; trying with those that it has"
+    printf 'apt-get could not read all of its lists; going on with those that it has.\n'
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
     apt-get install -q -y --no-install-recommends "${missing[@]}" ||
     fail "apt-get could not install them: is Debian's archive reached, and is there room? Run again when it is"
@@ -87,7 +92,6 @@ compile() {
   local targets=()
   if (($#)); then targets=(--target "$@"); fi
   say "Building preset $preset${*:+: $*}"
-  export CCACHE_STATSLOG=$PWD/build/ccache_stats.log
   cmake --build --preset "$preset" "${targets[@]}"
 }
 

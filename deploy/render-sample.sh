@@ -10,4 +10,4 @@ configure release
 compile release
 say "Rendering scenes/samples/mosaic.tessera on 4 worker processes"
 build/release/bin/tessera render scenes/samples/mosaic.tessera --workers 4 -o "$picture"
-say "The picture is $picture"
+printf 'The picture is %s\n' "$picture"

@@ -5,7 +5,6 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 install_packages build test
-rm -f build/ccache_stats.log
 configure release -DTESSERA_TESTS=ON
 compile release
 say "Running the tests"

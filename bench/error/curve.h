@@ -10,9 +10,9 @@
 
 namespace tessera {
 
-/// One picture of an estimator: what it cost and how far it was from the truth.
+/// One picture of an estimator: what it cost and how far it was from the reference.
 struct ErrorRun {
-  double wall_seconds = 0, cpu_seconds = 0, build_seconds = 0;  ///< of tracing twice, of building
+  double wall_seconds = 0, cpu_seconds = 0, build_seconds = 0;  ///< the first two are of tracing
   double mse = 0;                                               ///< mean_square_error()
 };
 
@@ -68,8 +68,8 @@ void summarize(ErrorRow& row);
 void compare(ErrorRow& row, const ErrorRow& base);
 /// Slope and band by the rows from four samples on, if those are three, else by all.
 void fit_slope(ErrorCurve& curve);
-/// Seconds until the RMSE is `target`, between rows on straight lines of logarithms; nothing where
-/// the curve does not come there.
+/// Seconds until the RMSE is `target`, between rows on straight lines of logarithms: those of the
+/// first row where that is below already; nothing where the curve does not come there.
 std::optional<double> seconds_to(const ErrorCurve& curve, double target);
 
 }  // namespace tessera

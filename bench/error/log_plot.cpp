@@ -60,7 +60,7 @@ struct Range {
     low = std::min(low, std::log10(value));
     high = std::max(high, std::log10(value));
   }
-  /// Some room at both ends, and a decade at least.
+  /// By a margin at both ends, to a decade or nearly that.
   void widen() {
     if (!(low <= high)) low = high = 0;
     const double lack = std::max(0.0, .9 - (high - low)) / 2, margin = .05 * (high - low + lack);

@@ -55,7 +55,7 @@ std::vector<Json> all_rows(const std::vector<SceneErrors>& scenes) {
   return out;
 }
 
-/// Text that begins no formula and breaks no line of a CSV file.
+/// The value as a cell of a CSV file.
 std::string csv_cell(const Json& value) {
   if (value.is_null()) return "";
   if (!value.is_string()) return value.dump();

@@ -1,7 +1,5 @@
 #include "bench/error/statistics.h"
 
-#include <cmath>
-
 namespace tessera {
 
 double median(std::vector<double> values) { return percentile(std::move(values), .5); }

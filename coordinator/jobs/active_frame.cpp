@@ -412,7 +412,7 @@ void ActiveFrame::note_lost_builder(WorkerId worker, Time told, Time now) {
   if (built_ || told < builder_lost_at_.value_or(told)) return;
   builder_lost_at_ = now;
   lost_builders_.insert(worker);
-  // More than of a tile: workers also die of what they trace for other jobs.
+  // Workers also die of what they trace for other jobs.
   constexpr size_t kMostLost = 5;
   if (lost_builders_.size() < kMostLost) return;
   std::set<WorkerKeys::Voice> voices;

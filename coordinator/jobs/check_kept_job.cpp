@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "base/digest.h"
 #include "base/error.h"
+#include "coordinator/jobs/frame_number.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
 
@@ -14,9 +17,8 @@ void check_kept_job(const v1::KeptJob& kept) {
   if (kept.job() < 1 || kept.job() > kMaxJobNumber) {
     throw usage_error(fmt::format("number {}; expected 1 to {}", kept.job(), kMaxJobNumber));
   }
-  constexpr int kMaxFrames = 1 << 20;
   const int frames = request.frames_size();
-  if (frames < 1 || frames > kMaxFrames || kept.tile_keys_size() != frames) {
+  if (frames < 1 || std::cmp_greater(frames, kMaxFrames) || kept.tile_keys_size() != frames) {
     throw usage_error(fmt::format("{} frames and {} keys of tiles; expected one key a frame",
                                   frames, kept.tile_keys_size()));
   }

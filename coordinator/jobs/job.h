@@ -63,8 +63,7 @@ class Job {
   /// It has not ended after all, and is to be begun again, with so many tiles that are stored.
   void reopen(uint32_t frame, uint64_t stored);
 
-  /// Why a frame does not go on, though nothing is wrong with it that people would have to mend.
-  /// The job's other frames go on.
+  /// Why a frame does not go on, and when it is tried again. The job's other frames go on.
   struct Hold {
     std::string cause;
     Time until = Time::max();           ///< when it is tried again

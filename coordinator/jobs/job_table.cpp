@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <new>
 #include <unordered_set>
 #include <utility>
 
 #include "base/log.h"
 #include "base/plural.h"
+#include "coordinator/jobs/frame_number.h"
 #include "coordinator/jobs/preview.h"
 #include "coordinator/tiles/identity.h"
 #include "job/check_job.h"
@@ -23,7 +23,6 @@
 namespace tessera {
 namespace {
 
-constexpr int kFrameBits = 20;
 constexpr size_t kMaxJobs = 4096;
 /// Of who paused a job, in bytes.
 constexpr size_t kMostBy = 200;
@@ -129,7 +128,7 @@ void JobTable::describe(FarmSnapshot& snapshot, Time now) const {
 }
 
 std::optional<JobProgress> JobTable::progress(uint64_t frame, Time now) const {
-  const auto it = open_.find(frame >> kFrameBits);
+  const auto it = open_.find(job_of_number(frame));
   if (it == open_.end() || it->second->running().empty()) return std::nullopt;
   return it->second->progress(now, it->second->works(served()));
 }
@@ -205,10 +204,6 @@ std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) 
     if (ended == id) return trace;
   }
   return nullptr;
-}
-
-uint64_t JobTable::frame_number(uint64_t job, uint32_t frame) {
-  return (job << kFrameBits) + frame + 1;
 }
 
 // ------------------------------------------------------------------------- jobs of this process

@@ -147,7 +147,6 @@ class JobTable {
   std::vector<int32_t> served() const;
   /// Notes what running() is, after that has changed.
   void list_running();
-  static uint64_t frame_number(uint64_t job, uint32_t frame);
   BeginLimits limits() const;
   OpenJob open_job(const Job& job, Time now) const;
   /// Those that are begun or could be.

@@ -2,13 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <new>
 #include <unordered_set>
 #include <utility>
 
 #include "base/log.h"
-#include "base/saturating_sum.h"
+#include "coordinator/jobs/frame_number.h"
 #include "coordinator/jobs/job_table.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"

@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -86,7 +85,7 @@ class TileScheduler {
   /// From now on the worker may hold tiles, of which it traces `threads` at a time in the order in
   /// which it got them. If it had vanished, no tile was the cause of it.
   void join(WorkerId worker, uint32_t threads = 1);
-  /// It may no more; what it held is pending again.
+  /// The worker is gone. Whatever it held is pending again.
   SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
   /// What it holds, in the order in which it was given that.
   std::vector<Lease> leases_of(WorkerId worker) const;
@@ -246,7 +245,7 @@ class TileScheduler {
   void merge(uint32_t tile, SchedulerEvents& events);
   void order_pending();
   void forget_check(uint32_t tile);
-  /// The worker goes on with a tile of adopt().
+  /// The worker goes on with a tile that a coordinator before this one gave it.
   void go_on(const LeaseProgress& progress, WorkerId worker, Time now);
   bool issued(LeaseId lease, WorkerId worker) const;
   /// The upper bits of the leases that this coordinator gives.

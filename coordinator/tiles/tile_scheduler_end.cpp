@@ -39,9 +39,6 @@ std::optional<Lease> TileScheduler::assign_at_end(WorkerId worker, Time now, boo
   return std::nullopt;
 }
 
-// ------------------------------------------------------------------------------------ second
-// copies
-
 Time TileScheduler::straggler_age() const {
   if (durations_.empty()) return rules_.lease;
   auto& [among, age] = straggler_age_;
@@ -84,9 +81,6 @@ std::optional<uint32_t> TileScheduler::next_straggler(WorkerId worker, Time now,
   }
   return std::nullopt;
 }
-
-// --------------------------------------------------------------------------------------------
-// parts
 
 uint32_t TileScheduler::useful_parts(uint32_t index, size_t most) const {
   const auto cost = costs_.predict(index);

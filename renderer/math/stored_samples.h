@@ -32,8 +32,8 @@ struct ColorChannels {
 /// Finds R, G, B and A, or Y, RY and BY, by their names in any order and in upper or lower case.
 /// Channels without a layer come before those of a layer ("diffuse.R"). Among layers one called
 /// Combined, RGBA or beauty comes first, else the first that has colours. Where no name is known,
-/// the first three channels, or the first one of fewer, are the colour. Nothing but a channel
-/// called A is coverage. `names` must not be empty.
+/// the first three channels, or the first one of fewer, are the colour. Words count as well: red,
+/// green, blue, alpha, grey, gray, I. `names` must not be empty.
 ColorChannels color_channels_of(std::span<const std::string> names);
 
 /// Makes red, green and blue of the first three of each pixel's `channels` floats, which are Y, RY
@@ -57,7 +57,7 @@ enum class SampleEncoding : uint8_t {
 bool holds_codes(SampleMeaning meaning, SampleEncoding encoding);
 
 /// Makes linear light of the colours of pixels with 1 to 4 channels, as ColorChannels::count()
-/// tells them, that hold codes; all else stays as it is. Integers with associated alpha are divided
+/// tells them, that hold codes; all else stays as it is. Codes with associated alpha are divided
 /// by it before they are decoded and multiplied by it afterwards.
 void decode_samples(std::span<float> samples, uint32_t channels, SampleMeaning meaning,
                     SampleEncoding encoding);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "coordinator/jobs/frame_number.h"
 #include "job/job_messages.h"
 #include "proto/wire/blob_transfer.h"
 #include "proto/wire/scene_codec.h"
@@ -88,9 +89,8 @@ void ServiceSimulation::note_sent(const OutgoingMessage& out) {
   // A kept tile may be given out again to be verified.
   if (!out.message.has_assign() || options_.verify > 0) return;
   const v1::Assign& assign = out.message.assign();
-  constexpr int kFrameBits = 20;
-  const uint64_t job = assign.job() >> kFrameBits;
-  const auto frame = static_cast<int>(assign.job() & ((1u << kFrameBits) - 1)) - 1;
+  const uint64_t job = job_of_number(assign.job());
+  const auto frame = static_cast<int>(frame_of_number(assign.job()));
   const auto jobs = store_->jobs();
   const auto of = std::find_if(jobs.begin(), jobs.end(),
                                [job](const v1::KeptJob& kept) { return kept.job() == job; });
