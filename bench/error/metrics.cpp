@@ -38,10 +38,12 @@ size_t for_each_value(size_t begin, size_t end, const PixelMask& mask, const Vis
 /// The largest of many numbers that are not negative.
 class Largest {
  public:
-  explicit Largest(size_t most) : most_(most) {}
+  explicit Largest(size_t most) : most_(most) {
+    if (most == 0) least_ = std::numeric_limits<double>::infinity();
+  }
 
   void add(double value) {
-    if (most_ == 0 || value < least_) return;
+    if (value <= least_) return;
     values_.push_back(value);
     if (values_.size() >= 2 * most_) drop_rest();
   }
@@ -50,8 +52,7 @@ class Largest {
   }
   /// The least of them, of which there are enough; infinite if none is asked for.
   double least() {
-    if (most_ == 0) return std::numeric_limits<double>::infinity();
-    drop_rest();
+    if (most_ > 0) drop_rest();
     return least_;
   }
 
@@ -64,7 +65,7 @@ class Largest {
   }
 
   size_t most_;
-  double least_ = 0;
+  double least_ = -1;  ///< what is not above it is not among them
   std::vector<double> values_;
 };
 
