@@ -2,12 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "base/core_count.h"
+#include "base/parallel.h"
 #include "bench/error/difference.h"
 #include "bench/error/metrics.h"
 #include "bench/error/ssim.h"
@@ -93,8 +96,11 @@ FloatImage read_picture(const std::string& path) {
 }
 
 ExitCode compare(const CompareOptions& options) {
-  const FloatImage a = read_picture(options.first);
-  const FloatImage b = read_picture(options.second);
+  std::array<FloatImage, 2> pictures;
+  for_each_parallel(2, core_count(), [&](size_t i) {
+    pictures[i] = read_picture(i == 0 ? options.first : options.second);
+  });
+  const auto& [a, b] = pictures;
   check_comparable(options, a, b);
   const Difference d = difference_of(a.values, b.values, a.channels.size(),
                                      static_cast<size_t>(a.width), options.max_difference);

@@ -13,6 +13,7 @@
 #include "base/cancellation.h"
 #include "base/core_count.h"
 #include "base/parallel.h"
+#include "bench/error/add_weighted.h"
 
 namespace tessera {
 namespace {
@@ -120,25 +121,6 @@ float hyab(const Color& a, const Color& b) {
   return std::abs(a[0] - b[0]) + std::sqrt(u * u + v * v);
 }
 
-/// out[x] = the sum of weights[k] * row(k)[x], for all x below `count`.
-template <typename RowOf>
-void add_weighted(float* out, size_t count, const Kernel& weights, const RowOf& row) {
-  constexpr size_t kChunk = 16;  // sums that stay in registers
-  for (size_t x = 0; x < count; x += kChunk) {
-    std::array<float, kChunk> sums{};
-    const size_t chunk = std::min(kChunk, count - x);
-    for (size_t k = 0; k < weights.size(); ++k) {
-      const float* const in = row(k) + x;
-      if (chunk == kChunk) {
-        for (size_t i = 0; i < kChunk; ++i) sums[i] += weights[k] * in[i];
-      } else {
-        for (size_t i = 0; i < chunk; ++i) sums[i] += weights[k] * in[i];
-      }
-    }
-    std::copy_n(sums.begin(), chunk, out + x);
-  }
-}
-
 /// Rows through `along_x`, then columns through `along_y`, into the rows of `out`, of a picture of
 /// `height` rows, whose border's pixels go on outside. `in` has those that are within reach.
 /// `half`: a buffer for the intermediate rows.
@@ -147,17 +129,20 @@ void filter(const Rows& in, size_t height, const Kernel& along_x, const Kernel& 
   const size_t width = in.width, radius = along_x.size() / 2;
   half.set(in.first, in.end);
   std::vector<float> line(width + 2 * radius);
+  std::vector<const float*> rows;
+  for (size_t k = 0; k < along_x.size(); ++k) rows.push_back(line.data() + k);
   for (size_t y = in.first; y < in.end; ++y) {
     const float* const row = in.row(y);
     std::fill_n(line.begin(), radius, row[0]);
     std::copy_n(row, width, line.begin() + static_cast<std::ptrdiff_t>(radius));
     std::fill_n(line.rbegin(), radius, row[width - 1]);
-    add_weighted(half.row(y), width, along_x, [&](size_t k) { return line.data() + k; });
+    add_weighted(half.row(y), width, along_x, rows);
   }
   for (size_t y = out.first; y < out.end; ++y) {
-    add_weighted(out.row(y), width, along_y, [&](size_t k) {
-      return half.row(std::clamp(y + k, radius, radius + height - 1) - radius);
-    });
+    for (size_t k = 0; k < along_y.size(); ++k) {
+      rows[k] = half.row(std::clamp(y + k, radius, radius + height - 1) - radius);
+    }
+    add_weighted(out.row(y), width, along_y, rows);
   }
 }
 

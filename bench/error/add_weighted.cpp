@@ -1,0 +1,70 @@
+#include "bench/error/add_weighted.h"
+
+#include <algorithm>
+#include <array>
+
+#include "renderer/math/targets.h"
+
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "bench/error/add_weighted.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace tessera {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+void add_rows(float* out, size_t count, std::span<const float> weights,
+              std::span<const float* const> rows) {
+  const hn::ScalableTag<float> tag;
+  const size_t lanes = hn::Lanes(tag);
+  size_t x = 0;
+  for (; x + 4 * lanes <= count; x += 4 * lanes) {
+    auto a = hn::Zero(tag), b = a, c = a, d = a;
+    for (size_t k = 0; k < weights.size(); ++k) {
+      const auto weight = hn::Set(tag, weights[k]);
+      const float* const in = rows[k] + x;
+      a = hn::Add(a, hn::Mul(weight, hn::LoadU(tag, in)));
+      b = hn::Add(b, hn::Mul(weight, hn::LoadU(tag, in + lanes)));
+      c = hn::Add(c, hn::Mul(weight, hn::LoadU(tag, in + 2 * lanes)));
+      d = hn::Add(d, hn::Mul(weight, hn::LoadU(tag, in + 3 * lanes)));
+    }
+    hn::StoreU(a, tag, out + x);
+    hn::StoreU(b, tag, out + x + lanes);
+    hn::StoreU(c, tag, out + x + 2 * lanes);
+    hn::StoreU(d, tag, out + x + 3 * lanes);
+  }
+  for (; x < count; ++x) {
+    out[x] = 0;
+    for (size_t k = 0; k < weights.size(); ++k) out[x] += weights[k] * rows[k][x];
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tessera {
+namespace {
+
+auto best_for_this_machine() {
+  const auto each = std::to_array<TargetCode<decltype(&HWY_STATIC_DISPATCH(add_rows))>>(
+      TESSERA_EACH_TARGET(add_rows));
+  return std::find_if(each.begin(), each.end(), [](const auto& of) {
+           return machine_has(of.target);
+         })->code;
+}
+
+}  // namespace
+
+void add_weighted(float* out, size_t count, std::span<const float> weights,
+                  std::span<const float* const> rows) {
+  static const auto add = best_for_this_machine();
+  add(out, count, weights, rows);
+}
+
+}  // namespace tessera
+#endif  // HWY_ONCE
