@@ -53,9 +53,9 @@ namespace {
 auto best_for_this_machine() {
   const auto each = std::to_array<TargetCode<decltype(&HWY_STATIC_DISPATCH(add_rows))>>(
       TESSERA_EACH_TARGET(add_rows));
-  return std::find_if(each.begin(), each.end(), [](const auto& of) {
-           return machine_has(of.target);
-         })->code;
+  return std::find_if(each.begin(), each.end(),
+                      [](const auto& of) { return machine_has(of.target); })
+      ->code;
 }
 
 }  // namespace

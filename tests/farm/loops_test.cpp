@@ -222,12 +222,14 @@ TEST(RenderLoop, AnotherCoordinatorAtTheSamePlaceGetsItsOwnPicture) {
   workers.join();
 }
 
-/// Takes a while for each tile, and notes it.
+/// Counts the tiles, and traces only the first one before it may go on.
 class Noting : public FakeRenderer {
  public:
-  Noting(uint32_t seed, std::atomic<int>& traced) : FakeRenderer(seed), traced_(traced) {}
+  Noting(uint32_t seed, std::atomic<int>& traced, const std::atomic<bool>& goes_on)
+      : FakeRenderer(seed), traced_(traced), goes_on_(goes_on) {}
   std::optional<TilePixels> render(const RenderTask& task, TileProgress& p) const override {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const bool is_first = begun_++ == 0;
+    while (!is_first && !goes_on_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     auto pixels = FakeRenderer::render(task, p);
     if (pixels) ++traced_;
     return pixels;
@@ -235,6 +237,8 @@ class Noting : public FakeRenderer {
 
  private:
   std::atomic<int>& traced_;
+  const std::atomic<bool>& goes_on_;
+  mutable std::atomic<int> begun_{0};
 };
 
 TEST(RenderLoop, WhatAnOrphanTracedBeforeItEndedIsHandedInByTheNextProcess) {
@@ -245,10 +249,13 @@ TEST(RenderLoop, WhatAnOrphanTracedBeforeItEndedIsHandedInByTheNextProcess) {
   options.lost_after = std::chrono::seconds(2);
   RenderLoop loop(network.server(), options);
   std::atomic<int> traced{0};
-  WorkerOptions worker = worker_options(1);
+  std::atomic<bool> stands_still{false};
+  WorkerOptions worker = worker_options(4);
   worker.spool_folder = folder.path();
   worker.make_renderer = [&](const v1::Scene&, const BlobStore&, const v1::FrameSettings& frame,
-                             int) { return std::make_shared<Noting>(frame.seed(), traced); };
+                             int) {
+    return std::make_shared<Noting>(frame.seed(), traced, stands_still);
+  };
   Threads second;
   auto first = std::make_unique<Threads>();
   first->add(network.client(), worker);
@@ -260,8 +267,9 @@ TEST(RenderLoop, WhatAnOrphanTracedBeforeItEndedIsHandedInByTheNextProcess) {
       job,
       [&](const JobProgress& progress) {
         if (!first || progress.tiles_done == 0) return;
-        seen = traced;
-        while (traced < seen + 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        stands_still = true;
+        // It holds six tiles at least.
+        while (traced < 4) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         first->stop();
         first->join();
         first.reset();
@@ -273,8 +281,8 @@ TEST(RenderLoop, WhatAnOrphanTracedBeforeItEndedIsHandedInByTheNextProcess) {
   loop.shut_down("done");
   second.join();
   EXPECT_EQ(result.film.pixels_sha256(), expected_sha256(job));
-  // Exactly 16, but where the machine is so slow that a worker is taken for lost.
   EXPECT_GE(seen, 3);
+  // Exactly 16, but where the machine is so slow that a worker is taken for lost.
   EXPECT_LT(traced, 16 + seen) << "none twice";
   EXPECT_EQ(result.report.tiles_done, 16u);
   EXPECT_FALSE(has_spooled());
