@@ -27,6 +27,7 @@ const std::map<std::string, std::string> kPlain = {{"Vec2", "VectorLike"},
 const std::map<std::string, std::string> kTaken = {{"ColorInput", "ColorInputLike"},
                                                    {"FloatInput", "FloatInputLike"},
                                                    {"Node", "NodeLike"},
+                                                   {"Shape", "_placing.Shape"},
                                                    {"Transform", "_transforms.Transform"},
                                                    {"Background", "_view.Background"},
                                                    {"Camera", "_view.Camera"},
@@ -208,7 +209,6 @@ void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes)
                    .own = {},
                    .common = fields_of(message, false)};
   if (message.name() == "Shape") {
-    base.base = "ShapeMethods, Value";
     base.common.push_back({.name = "transform",
                            .type = kTaken.at("Transform"),
                            .doc = "Comes behind the transform of the node that holds the shape."});

@@ -6,12 +6,10 @@ import math
 from typing import Any, NamedTuple
 
 from . import _core
+from ._arguments import nearest, number
 from ._core import Vec
-from ._options import number
 from ._types import ColorLike
-from ._value import nearest
 from .errors import SceneError
-
 
 class Color(NamedTuple):
     """A colour in linear RGB; 1 is full reflectance or unit radiance. Sums, differences and multiples

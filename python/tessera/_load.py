@@ -9,15 +9,15 @@ import warnings
 from typing import Any, Dict, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _core
-from ._options import frame_number, option_texts
+from ._arguments import frame_number, refuse_unknown, with_article
+from ._callers import level_of_caller
+from ._options import option_texts
 from ._places import located_errors
 from ._types import Path, X3dColor, X3dShadows, X3dTexture
-from ._value import level_of_caller, refuse_unknown, with_article
 from .errors import (Error, SceneError, SceneWarning, UsageError, nesting_ends,
                      scene_error)
 from .rendering import checked_scene
 from .scene import Scene
-
 
 def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
          place: Union[str, Sequence[str]] = (), strict: bool = False, x3d_color: Optional[X3dColor] = None,
@@ -49,6 +49,7 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
     name = checked_scene(os.fspath(path), "path")
     assert isinstance(name, str)
     with located_errors(name):
+        scene: Scene
         scene, told = _core.load(name, option_texts(options), frame_number("frame", frame))
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
@@ -70,7 +71,8 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
                 raise
             # Python prints no number of more than some thousand digits.
             raise UsageError("description: a whole number of too many digits; expected a smaller one") from error
-    return _core.from_json(text, arrays)
+    scene: Scene = _core.from_json(text, arrays)
+    return scene
 
 
 def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:

@@ -5,13 +5,11 @@ import atexit
 import os
 import warnings
 import weakref
-from typing import NoReturn, Optional, SupportsIndex, TypeVar, Union
+from typing import NoReturn, Optional, TypeVar, Union
 
 from . import _core
-from ._options import fraction_text, whole
+from ._arguments import fraction_text, tells_unknown, whole_count
 from ._program import program
-from ._value import tells_unknown
-from .errors import UsageError
 
 F = TypeVar("F", bound="BaseFarm")
 
@@ -133,12 +131,3 @@ class Threads(BaseFarm):
 
     def __repr__(self) -> str:
         return f"Threads({self.n or ''})"
-
-
-def whole_count(name: str, value: SupportsIndex, least: int = 1) -> int:
-    """A number of processes or threads, which the keyword `name` has."""
-    most = _core.most_threads
-    count = whole(name, value)
-    if not least <= count <= most:
-        raise UsageError(f"{name}: {count}; expected a whole number from {least} to {most}")
-    return count

@@ -4,12 +4,14 @@ from __future__ import annotations
 from typing import NoReturn, Optional, Union
 
 from . import _messages
+from ._arguments import refuse_unknown
+from ._callers import here
 from ._colors import color
 from ._core import Vec
 from ._messages import (ClassicDiffuseModel, ClassicTransmission, Material, MaterialAlpha,
                         MaterialSides, Texture)
-from ._types import ColorInputLike, ColorLike, FloatInputLike, VectorLike
-from ._value import here, refuse_unknown
+from ._types import ColorLike, VectorLike
+from ._value_types import ColorInputLike, FloatInputLike
 
 #: Film responses (a, b, c) for `Scene(response=...)`: of light x in [0, 1] the picture shows
 #: a x^2 + b x + c. The first brightens dark parts, the second hardly changes anything.

@@ -4,10 +4,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple, Union, overload
 
 from . import _core, _messages
+from ._arguments import several
 from ._array import as_ndarray, plain_array
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
-from ._value import several
 from .errors import UsageError
 
 if TYPE_CHECKING:

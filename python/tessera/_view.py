@@ -7,14 +7,14 @@ from typing import (TYPE_CHECKING, Any, Callable, Generic, Iterable, NoReturn, O
                     TypeVar, overload)
 
 from . import _messages
+from ._arguments import number, whole
+from ._callers import here
 from ._core import Vec
 from ._messages import (BackgroundCube, BackgroundGradient, BackgroundPanorama, BackgroundRings,
                         BackgroundSunAndSky, LensFocalSurface, LensRadiusUnit, LensShape, Light,
                         Orthographic, Panoramic, Perspective, PerspectiveAxis, TransformKey)
-from ._options import number, whole
 from ._transforms import Transform, look_at, matrix
 from ._types import ColorLike, VectorLike
-from ._value import here
 from .errors import UsageError
 
 if TYPE_CHECKING:

@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Tuple, Union, overload
 
+from ._arguments import tells_unknown
 from ._types import ArrayLike
-from ._value import tells_unknown
-from .rays import tracer_from_mesh
+from ._mesh import Mesh
 
 if TYPE_CHECKING:
     from ._types import Bools, Doubles, Integers
@@ -21,7 +21,7 @@ class MeshIntersector:
 
     @tells_unknown
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
-        self._tracer = tracer_from_mesh(vertices, faces)
+        self._tracer = Mesh(vertices, faces).tracer()
 
     @overload
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,

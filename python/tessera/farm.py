@@ -4,23 +4,21 @@ from __future__ import annotations
 import json
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._arguments import boolean, named_text, number, refuse_unknown, seconds, tells_unknown, whole
+from ._callers import level_of_caller
 from ._html import table
+from ._local_farms import BaseFarm
+from ._messages import Scene
+from ._options import core_options
+from ._places import located_errors
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap,
+                     Transfer, X3dColor, X3dShadows, X3dTexture)
 from .errors import Error, SceneWarning, UsageError
 from .picture import Image
-from ._local_farms import BaseFarm
-from ._options import boolean, number, named_text, seconds, whole
-from ._places import located_errors
-from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap, Transfer,
-                     X3dColor, X3dShadows, X3dTexture)
-from ._value import level_of_caller, refuse_unknown, tells_unknown
-from .rendering import checked_scene, core_options, with_picture
-
-if TYPE_CHECKING:
-    from .scene import Scene
-
+from .rendering import checked_scene, with_picture
 
 _LONGEST_TIMEOUT = 10**9
 _Connection = Tuple[str, str, str, float]  # endpoint, key, server key and timeout

@@ -9,10 +9,11 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
+from ._arguments import boolean, file_name, named_text, refuse_unknown
 from ._array import as_ndarray, plain_array
-from ._options import boolean, file_name, named_text, option_texts
+from ._callers import level_of_caller
+from ._options import option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
-from ._value import level_of_caller, refuse_unknown
 from .errors import MissingFile, SceneWarning, UsageError
 
 if TYPE_CHECKING:

@@ -7,23 +7,24 @@ from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List,
                     Optional, Sequence, Tuple, Type, TypeVar, Union, overload)
 
 from . import _core, _messages, rendering
+from ._arguments import (file_name, folder_text, frame_number, nearest, refuse_unknown, several,
+                         tells_unknown, with_article)
+from ._callers import here
 from ._graph import Instances, flat, with_material
 from ._html import table
 from ._local_farms import BaseFarm
 from ._log import logged_at_end
 from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSettingsShadows, Light,
                         Material, Metadata, Object, Output, OutputQuantization, OutputToneMap,
-                        OutputTransfer, Sampling, SamplingFilter, SamplingPattern, Settings, Shape,
-                        Texture)
+                        OutputTransfer, Sampling, SamplingFilter, SamplingPattern, Settings, Texture)
 from ._nodes import Node
-from ._progress import ProgressOption, TileCallback
-from ._options import file_name, folder_text, frame_number
 from ._places import located_errors
-from ._placing import everything_in
+from ._placing import Shape, everything_in
+from ._progress import ProgressOption, TileCallback
 from ._transforms import Transform
-from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
-                     Shadows, Size, TransformsLike)
-from ._value import Value, here, nearest, refuse_unknown, several, tells_unknown, with_article, words_of
+from ._types import Accelerator, Aovs, ColorLike, Crop, Integrator, Path, Pattern, Shadows, Size
+from ._value import Value, words_of
+from ._value_types import NodeLike, PartsLike, TransformsLike
 from ._view import Background, Camera
 from .errors import SceneError, UsageError
 from .picture import Image
