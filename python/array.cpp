@@ -3,10 +3,15 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <memory>
+#include <vector>
 
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "python/gil.h"
+#include "python/interruptible.h"
 
 namespace py = pybind11;
 
@@ -69,8 +74,11 @@ py::object item_of(const Array& array, py::ssize_t index) {
 }
 
 bool are_equal(const Array& a, const Array& b) {
-  return a.shape() == b.shape() && a.type().code == b.type().code &&
-         (a.data() == b.data() || std::ranges::equal(a.bytes(), b.bytes()));
+  if (a.shape() != b.shape() || a.type().code != b.type().code) return false;
+  if (a.data() == b.data() || a.bytes().empty()) return true;
+  return run_unlocked(a.bytes().size(), [a, b](const std::atomic<bool>&) {
+    return std::memcmp(a.data(), b.data(), a.bytes().size()) == 0;
+  });
 }
 
 /// Small arrays print as what makes them again; large ones are told.
@@ -113,7 +121,9 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
   if (source.read_only && !may_be_indices)
     return {source.owner, source.data, type, std::move(shape)};
   const auto copy =
-      std::make_shared<const std::vector<std::byte>>(source.data, source.data + bytes);
+      run_unlocked(static_cast<size_t>(bytes), [source, bytes](const std::atomic<bool>&) {
+        return std::make_shared<const std::vector<std::byte>>(source.data, source.data + bytes);
+      });
   return {copy, copy->data(), type, std::move(shape)};
 }
 
@@ -131,12 +141,48 @@ Array from_list(const py::list& numbers, const std::string& code, Array::Shape s
   }
 }
 
+/// Bytes that are pickled at once, in a millisecond or so.
+constexpr py::ssize_t kPickledBytes = 1 << 20;
+
+/// The bytes of an array as arrays of some of them each, which pickle() asks one after the other.
+py::list parts_of(const Array& array) {
+  const auto* const first = static_cast<const std::byte*>(array.data());
+  const auto size = static_cast<py::ssize_t>(array.bytes().size());
+  py::list parts;
+  for (py::ssize_t at = 0; at < size; at += kPickledBytes) {
+    parts.append(Array(array.owner(), first + at, kElementOf<uint8_t>,
+                       {std::min(kPickledBytes, size - at)}));
+  }
+  return parts;
+}
+
+/// An array of that type from arrays of its bytes in order.
+Array from_parts(const std::vector<Array>& parts, const std::string& code, Array::Shape shape) {
+  const ElementType type = element_type(code);
+  size_t size = 0;
+  for (const Array& part : parts) size += part.bytes().size();
+  const auto joined = run_unlocked(size, [parts, size](const std::atomic<bool>&) {
+    std::vector<std::byte> bytes;
+    bytes.reserve(size);
+    for (const Array& part : parts)
+      bytes.insert(bytes.end(), part.bytes().begin(), part.bytes().end());
+    return std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  });
+  const Array whole(joined, joined->data(), type, std::move(shape));
+  if (whole.bytes().size() != size) throw py::value_error("Array: parts of another size");
+  return whole;
+}
+
 py::tuple reduce(const py::object& self, int protocol) {
   const auto& array = self.cast<const Array&>();
   py::object bytes;
   if (protocol >= 5) {
     bytes = py::module_::import("pickle").attr("PickleBuffer")(self);
+  } else if (static_cast<py::ssize_t>(array.bytes().size()) > kPickledBytes) {
+    bytes = parts_of(array);
   } else {
+    { const GilRelease others_run; }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     bytes = py::bytes(reinterpret_cast<const char*>(array.data()), array.bytes().size());
   }
   return py::make_tuple(py::module_::import("tessera._value").attr("restore_array"),
@@ -161,7 +207,8 @@ void bind_arrays(py::module_& module) {
       .def("__copy__", [](const py::object& self) { return self; })
       .def("__deepcopy__", [](const py::object& self, const py::object&) { return self; })
       .def_static("of", from_list, "An array of the numbers in a list.")
-      .def_static("from_bytes", from_bytes, "An array of the bytes of a buffer.");
+      .def_static("from_bytes", from_bytes, "An array of the bytes of a buffer.")
+      .def_static("_from_parts", from_parts);
 }
 
 }  // namespace tessera

@@ -188,7 +188,9 @@ def _array_text(value: Any) -> str:
 
 
 def restore_array(data: Any, code: str, shape: Tuple[int, ...]) -> _core.Array:
-    """The array that was pickled."""
+    """The array that was pickled, of its bytes or of a list of arrays of some of them each."""
+    if isinstance(data, list):
+        return _core.Array._from_parts(data, code, list(shape))
     return _core.Array.from_bytes(data, code, list(shape))
 
 

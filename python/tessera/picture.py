@@ -129,10 +129,11 @@ class Image:
 
     @functools.cached_property
     def linear(self) -> Floats:
-        """Radiance as (h, w, 3) float32, read-only: the film's own memory, or a copy where it has AOVs
-        too."""
-        view: Floats = as_ndarray(self._picture.light)
-        return view
+        """Radiance as (h, w, 3) float32, read-only: a view of the film's own memory, in which the AOVs of a
+        pixel follow its light."""
+        values: Any = as_ndarray(self._picture.values)
+        light: Floats = values[..., :3] if hasattr(values, "strides") else self._picture.light()
+        return light
 
     @property
     def aovs(self) -> List[Aov]:
@@ -144,11 +145,16 @@ class Image:
     @overload
     def aov(self, name: FloatAov) -> Floats: ...
     def aov(self, name: Aov) -> Any:
-        """What was asked for by `aovs`: albedo, normal, position and variance are (h, w, 3) float32,
-        depth and samples (h, w) float32, id and primitive (h, w) uint32, origin (h, w, 8) uint32."""
+        """What was asked for by `aovs`, read-only: albedo, normal, position and variance are (h, w, 3)
+        float32, depth and samples (h, w) float32, all views of the film's own memory; id and primitive
+        are (h, w) uint32, origin (h, w, 8) uint32."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected the name of an AOV")
-        return as_ndarray(self._picture.channels(named_text("name", name)))
+        first, count, is_whole = self._picture.place_of(named_text("name", name))
+        values: Any = as_ndarray(self._picture.values)
+        if is_whole or not hasattr(values, "strides"):
+            return as_ndarray(self._picture.channels(name))
+        return values[..., first] if count == 1 else values[..., first:first + count]
 
     def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
@@ -280,10 +286,10 @@ def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
     is_code = values.dtype.kind == "u" and values.dtype.itemsize <= 2
     if values.dtype.kind != "f" and not is_code:
         raise TypeError(f"array: numbers of type {values.dtype}; expected floats, uint8 or uint16")
-    if is_code:
-        values = values / numpy.iinfo(values.dtype).max
     if is_code if linear is None else not linear:
         values = as_ndarray(_core.linear_of_srgb(values))
+    elif is_code:
+        values = values / numpy.iinfo(values.dtype).max
     return numpy.ascontiguousarray(values, dtype=numpy.float32)
 
 
