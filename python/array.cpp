@@ -10,6 +10,7 @@
 
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "python/errors.h"
 #include "python/gil.h"
 #include "python/interruptible.h"
 
@@ -57,8 +58,14 @@ py::ssize_t length_of(const Array& array) {
 }
 
 /// A row of an array as an array that shares its memory; a number where there is one axis.
-py::object item_of(const Array& array, py::ssize_t index) {
+py::object item_of(const Array& array, const py::object& given) {
   const py::ssize_t length = length_of(array);
+  if (!PyIndex_Check(given.ptr())) {
+    throw py::type_error(with_article(Py_TYPE(given.ptr())->tp_name) +
+                         "; expected the index of a row");
+  }
+  const py::ssize_t index = PyNumber_AsSsize_t(given.ptr(), PyExc_IndexError);
+  if (index == -1 && PyErr_Occurred()) throw py::error_already_set();
   const py::ssize_t at = index < 0 ? index + length : index;
   if (at < 0 || at >= length) {
     throw py::index_error("index " + std::to_string(index) + " of " + std::to_string(length));
@@ -131,9 +138,18 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
 Array from_list(const py::list& numbers, const std::string& code, Array::Shape shape) {
   element_type(code);
   const py::module_ module = py::module_::import("struct");
-  const std::string format = std::to_string(numbers.size()) + (code == "e" ? "H" : code);
+  const auto pack = module.attr("pack");
+  constexpr py::ssize_t kAtOnce = 1 << 14;
+  py::list parts;
   try {
-    return from_bytes(module.attr("pack")(format, *numbers), code, std::move(shape));
+    for (py::ssize_t at = 0; at < PyList_GET_SIZE(numbers.ptr()); at += kAtOnce) {
+      const auto some =
+          py::reinterpret_steal<py::list>(PyList_GetSlice(numbers.ptr(), at, at + kAtOnce));
+      const std::string format = std::to_string(some.size()) + (code == "e" ? "H" : code);
+      parts.append(pack(format, *some));
+      let_others_run();
+    }
+    return from_bytes(py::bytes().attr("join")(parts), code, std::move(shape));
   } catch (py::error_already_set& error) {
     if (!error.matches(module.attr("error"))) throw;
     throw py::value_error("Array: " + py::str(error.value()).cast<std::string>() +
@@ -181,8 +197,7 @@ py::tuple reduce(const py::object& self, int protocol) {
   } else if (static_cast<py::ssize_t>(array.bytes().size()) > kPickledBytes) {
     bytes = parts_of(array);
   } else {
-    { const GilRelease others_run; }
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    let_others_run();
     bytes = py::bytes(reinterpret_cast<const char*>(array.data()), array.bytes().size());
   }
   return py::make_tuple(py::module_::import("tessera._value").attr("restore_array"),

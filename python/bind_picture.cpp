@@ -147,8 +147,17 @@ Array linear_of_srgb(const py::handle& given) {
   return {std::move(light), codes.shape};
 }
 
-size_t bytes_of(const ArraySource& source) {
-  return static_cast<size_t>(source.count() * source.item_size);
+size_t picture_bytes(int width, int height) {
+  return film_bytes(PixelRect{0, 0, width, height}, {});
+}
+
+/// A picture of light alone, from (h, w, 3) float32 values in a row.
+PicturePointer picture_of_light(int width, int height, const void* light) {
+  RenderedPicture picture{.film = Film(PixelRect{0, 0, width, height}), .output = {}};
+  std::memcpy(picture.film.values().data(), light, picture_bytes(width, height));
+  picture.metadata.frame_width = width;
+  picture.metadata.frame_height = height;
+  return std::make_shared<RenderedPicture>(std::move(picture));
 }
 
 /// float32 in a row, three for each of so many pixels.
@@ -160,15 +169,11 @@ ArraySource light_source(const py::handle& values, int64_t pixels) {
   return light;
 }
 
-/// A picture of light alone, from (h, w, 3) float32 values in a row.
+/// The picture of such values in an array.
 PicturePointer from_values(int width, int height, const py::handle& values) {
   const ArraySource light = light_source(values, int64_t{width} * height);
-  return run_unlocked(bytes_of(light), [light, width, height](StopFlag) {
-    RenderedPicture picture{.film = Film(PixelRect{0, 0, width, height}), .output = {}};
-    std::memcpy(picture.film.values().data(), light.data, bytes_of(light));
-    picture.metadata.frame_width = width;
-    picture.metadata.frame_height = height;
-    return std::make_shared<RenderedPicture>(std::move(picture));
+  return run_unlocked(picture_bytes(width, height), [light, width, height](StopFlag) {
+    return picture_of_light(width, height, light.data);
   });
 }
 
@@ -219,13 +224,12 @@ py::tuple read_file(const std::string& path) {
                         !image.meaning.from_integers);
 }
 
-/// Red, green and blue of a picture in a file as linear light.
-Array read_light(const std::string& path) {
-  auto [light, height, width] = run_abandonably([path](StopFlag) {
+/// The picture in a file: red, green and blue as linear light.
+PicturePointer picture_from_file(const std::string& path) {
+  return run_abandonably([path](StopFlag) {
     const FloatImage image = read_image(path);
-    return std::tuple(linear_light(image), image.height, image.width);
+    return picture_of_light(image.width, image.height, linear_light(image).data());
   });
-  return {std::move(light), {height, width, 3}};
 }
 
 /// How far the light of one picture is from that of another of the same size, the reference.
@@ -347,7 +351,7 @@ void bind_picture(py::module_& module) {
   module.def("linear_of_srgb", &linear_of_srgb);
   module.def("picture_from_values", &from_values);
   module.def("read_picture", &read_file);
-  module.def("read_light", &read_light);
+  module.def("picture_from_file", &picture_from_file);
   module.def("holds_floats", [](const std::string& path) { return holds_floats(path); });
   module.def("holds_aovs", [](const std::string& path) { return holds_aovs(path); });
   module.def("compare", &compare);

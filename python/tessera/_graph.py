@@ -27,6 +27,8 @@ class Instances(Value):
         object: The object, or its name.
         transforms: An array (n, 3, 4) of float64, parent from instance.
         names: The names of the nodes, if they have any.
+
+    Raises TypeError and ValueError for arrays of other types and shapes, and for another number of names.
     """
 
     __slots__ = ("object", "_transforms", "names")

@@ -58,14 +58,16 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
 
 def load_dict(description: Mapping[str, Any]) -> Scene:
     """The scene of a dict in protobuf's JSON mapping, as `Scene.to_dict` makes it. Arrays may stand
-    where it has references to blobs.
+    where it has references to blobs. Raises SceneError for what is no scene, TypeError for what is no
+    dict.
     """
     if not isinstance(description, Mapping):
         raise TypeError(f"description: {description!r:.100}; expected a dict")
     arrays: Dict[str, Any] = {}
     with nesting_ends(description, "description"):
         try:
-            text = json.dumps(_without_arrays(description, arrays, ""))
+            # To encode a part Python calls what makes it, and so looks for Ctrl-C and other threads.
+            text = json.dumps(_without_arrays(description, arrays, ""), default=lambda part: part.held)
         except ValueError as error:
             if isinstance(error, Error):
                 raise
@@ -75,14 +77,23 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
     return scene
 
 
+class _Part:
+    """A dict that is encoded when it is asked for."""
+
+    __slots__ = ("held",)
+
+    def __init__(self, held: Dict[str, Any]) -> None:
+        self.held = held
+
+
 def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:
     """A copy in which references stand for arrays, which are put into `arrays`."""
     if isinstance(part, Mapping):
         for key in part:
             if not isinstance(key, str):
                 raise _wrong(path, f"the key {key!r:.100}", "text")
-        return {key: _without_arrays(value, arrays, key, f"{path}.{key}" if path else key)
-                for key, value in part.items()}
+        return _Part({key: _without_arrays(value, arrays, key, f"{path}.{key}" if path else key)
+                      for key, value in part.items()})
     if isinstance(part, (list, tuple)):
         return [_without_arrays(value, arrays, field, f"{path}[{i}]") for i, value in enumerate(part)]
     name = re.sub("([A-Z])", r"_\1", field).lower()  # JSON has both "faceMaterials" and "face_materials"

@@ -86,6 +86,10 @@ class Mesh(_messages.Mesh, Shape):
     :param recenter: puts the middle of the vertices into `transform`, in double precision.
     :param copy: None shares read-only arrays of the right type and copies others; False refuses to
         copy; True copies always.
+
+    Numbers of files' own arrays are `inline_positions`, `inline_triangles`, `inline_normals` and
+    `inline_uvs`. Raises TypeError and ValueError that tell the argument, for arrays of other types or
+    shapes, masked values, and indices of no vertex.
     """
 
     __slots__ = ("_is_told",)

@@ -29,15 +29,17 @@ class Placed:
         transform: Optional[Transform]
 
     def shift(self: T, v: VectorLike) -> T:
-        """Moves it by the vector `v`, in metres."""
+        """Moves it by the vector `v`, in metres. Raises TypeError or ValueError for what is no vector of
+        three numbers."""
         return self._place_by(translate(v))
 
     def reflect(self: T, point: VectorLike) -> T:
-        """Mirrors it through a point: p goes to 2 point - p. Its front stays its front."""
+        """Mirrors it through a point, a vector in metres: p goes to 2 point - p. Its front stays its front.
+        Raises TypeError or ValueError for what is no vector of three numbers."""
         return self._place_by(translate(Vec(point) * 2) @ scale(-1))
 
     def mirror(self: T, plane: Plane) -> T:
-        """Mirrors it in a Plane. Its front stays its front."""
+        """Mirrors it in a Plane. Its front stays its front. Raises TypeError for another shape."""
         if not isinstance(plane, Plane):
             raise TypeError(f"plane: {plane!r:.100}; expected a Plane")
         normal, offset = _in_parent(plane)
@@ -48,7 +50,7 @@ class Placed:
     def copy(self: T, v: VectorLike = (0, 0, 0)) -> T:
         """Another one, moved by the vector `v`, in metres. Its parts are copies too: those of a node
         with children are below `instance_of` of the new one. Materials are shared, and what takes
-        memory is stored once for both."""
+        memory is stored once for both. Raises SceneError for parts that lie in themselves."""
         with nesting_ends(self):
             made = self._instance()
         return made.shift(v)
@@ -68,7 +70,8 @@ class Placed:
         """The closest hits of rays with this alone; t counts lengths of the direction.
 
         Each call builds what it needs anew: many rays are better given at once, as arrays
-        (..., 3). The options are those of `Tracer.intersect`.
+        (..., 3). The options are those of `Tracer.intersect`; on one thread where `threads` is left
+        out. Raises what that raises, and SceneError for what cannot be built.
         """
         return self.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
                                                 threads=threads, fields=fields)
@@ -76,12 +79,13 @@ class Placed:
     def contains(self, points: ArrayLike, *, method: Literal["parity", "winding"] = "parity",
                  closed: Literal["warn", "error"] = "warn", threads: Optional[int] = None) -> Bools:
         """Whether points, (..., 3) in metres, are inside it: bool (...). Each call builds what it needs
-        anew; see `Tracer.contains`."""
+        anew, on one thread where `threads` is left out; see `Tracer.contains`, whose errors it raises."""
         return self.tracer(threads=1).contains(points, method=method, closed=closed, threads=threads)
 
     def tracer(self, *, accel: Accelerator = "bvh", threads: Optional[int] = None) -> Tracer:
         """What answers any number of ray queries about this alone, where its own transform puts it. The
-        options are those of `Scene.tracer`."""
+        options are those of `Scene.tracer`. Raises SceneError, with the script's line, for what cannot
+        be built."""
         materials = [material for shape in _shapes(self) for material in shape.materials]
         own = {getattr(material, "name", None) for material in materials}
         names = {material for material in materials if isinstance(material, str)} - own

@@ -51,7 +51,8 @@ class Plane(_messages.Plane, Shape):
                 materials: Optional[Iterable[Union[str, Material]]] = None,
                 flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
                 material: Optional[Union[str, Material]] = None, **unknown: NoReturn) -> Plane:
-        """The plane through three points; its normal is (b - a) x (c - a)."""
+        """The plane through three points, in metres; its normal is (b - a) x (c - a). Raises SceneError for
+        points on one line."""
         fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                       flip_normals=flip_normals, transform=transform)
         corner = Vec(a)
@@ -80,7 +81,9 @@ class Rectangle(_messages.Rectangle, Shape):
                      material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
                      ) -> Union[Rectangle, Polygon]:
         """The flat convex shape with four corners, which go round counter-clockwise seen from its
-        front: a Rectangle if they make a parallelogram, or else a Polygon.
+        front: a Rectangle if they make a parallelogram, or else a Polygon. Each is a vector in metres.
+
+        Raises SceneError for corners that do not lie in one plane, or enclose no area.
         """
         fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                       flip_normals=flip_normals, transform=transform)
@@ -111,7 +114,9 @@ class Box(_messages.Box, Shape):
                      ) -> Union[Box, Mesh]:
         """The solid with eight corners: four that go round one face, and opposite to each, in the
         same order, those of the other face. A Box if they make a parallelepiped, or else a closed
-        Mesh in which each face is two triangles.
+        Mesh in which each face is two triangles. `corners` are (8, 3), in metres.
+
+        Raises SceneError for another number of corners, or for a body of no volume.
         """
         fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                       flip_normals=flip_normals, transform=transform)
@@ -148,7 +153,8 @@ def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, *, name: Optional[str]
              material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
              ) -> Polygon:
     """The triangle with these corners, in metres, which go round counter-clockwise seen from its
-    front. Its edges belong to it. Many triangles are better one `Mesh`.
+    front. Its edges belong to it. Many triangles are better one `Mesh`. Raises TypeError or ValueError
+    for what is no vector of three numbers.
     """
     fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                   flip_normals=flip_normals, transform=transform)

@@ -20,6 +20,9 @@ class ImageTexture(_messages.ImageTexture):
     `wrap` is both `wrap_s` and `wrap_t`. Where `encoding` is left out, integers of any depth are
     codes in sRGB and floats are linear light. `associated_alpha`: the colours of a given array are
     multiplied by alpha; a file tells itself.
+
+    Raises MissingFile where there is no file, SceneError where it holds no picture, TypeError and
+    ValueError for arrays of other types and shapes.
     """
 
     __slots__ = ()

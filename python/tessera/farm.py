@@ -158,7 +158,8 @@ class Job:
         return status
 
     def watch(self, interval: float = .5) -> Iterator[dict[str, Any]]:
-        """Yields its status every `interval` seconds, and at its end."""
+        """Yields its status every `interval` seconds, at least 0, and at its end. Raises UsageError for other
+        intervals, FarmError where the farm is gone."""
         if not 0 <= seconds("interval", interval) <= _LONGEST_TIMEOUT:
             raise UsageError(f"interval: {interval}; expected seconds, at most {_LONGEST_TIMEOUT}")
         return self._statuses(interval)
@@ -187,7 +188,7 @@ class Job:
         return self.farm._ask().frames(self.number)
 
     def fetch(self, frame: Optional[int] = None, *, denoise: bool = False) -> Image:
-        """The picture of a frame, of the first if left out.
+        """The picture of a frame by its number, of the first if left out.
 
         :param denoise: as render does; of jobs with aovs albedo, normal, depth and variance.
 
@@ -207,7 +208,7 @@ class Job:
 
     def snapshot(self, frame: Optional[int] = None) -> Optional[Image]:
         """What is done of a frame, of the first if left out, whatever became of it; the rest is black.
-        None where nothing is."""
+        None where nothing is. Raises UsageError for the number of no frame of the job."""
         at = self._place_of(frame)
         access = self.farm._ask()
         fetched = access.fetch(self.number, at, False)
@@ -231,7 +232,8 @@ class Job:
         self._order(_core.Order.pause)
 
     def resume(self, priority: Optional[int] = None) -> None:
-        """It goes on, with another priority if one is given."""
+        """It goes on, with another priority if one is given, a whole number of the range that `Farm.submit`
+        takes. Raises UsageError for others."""
         self._order(_core.Order.resume, None if priority is None else checked_priority(priority))
 
     def cancel(self) -> None:

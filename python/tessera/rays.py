@@ -90,8 +90,9 @@ def _rows(array: Rows, shape: ArrayShape) -> Rows:
 
 def _can_change(array: Rows) -> bool:
     """Whether somebody could write to its memory."""
+    # Not by flags, which of arrays of numpy.broadcast_arrays warn when they are read.
     base: Any = array
-    while hasattr(base, "flags") and not base.flags.writeable:
+    while hasattr(base, "__array_interface__") and base.__array_interface__["data"][1]:
         base = base.base
     return not (base is None or isinstance(base, bytes))
 
@@ -151,7 +152,7 @@ class Tracer:
         self._open: Optional[List[Tuple[int, int, int, int]]] = None  # meshes, see _core
 
     @classmethod
-    def _of(cls, scene: Union[_core.ValueBase, str, bytes], options: Options, assets: str = "") -> Tracer:
+    def _of(cls, scene: Union[_core.ValueBase, _core.Array, str, bytes], options: Options, assets: str = "") -> Tracer:
         """Of a Scene, of its text form (str) or of its binary form (bytes)."""
         time, camera, accel, threads = options
         with logged_at_end():
@@ -355,16 +356,16 @@ class Tracer:
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> Tuple[Any, ...]:
         from pickle import PickleBuffer
-        scene = self._core.scene()
+        scene: Any = self._core.scene()
         return _rebuilt, (PickleBuffer(scene) if int(protocol) >= 5 else scene, self._options)
 
     def __repr__(self) -> str:
         return f"<Tracer of {len(self._instance_names())} instances>"
 
 
-def _rebuilt(scene: bytes, options: Options) -> Tracer:
+def _rebuilt(scene: Any, options: Options) -> Tracer:
     """A tracer that was pickled, whose scene may come in any buffer."""
-    return Tracer._of(bytes(scene), options)
+    return Tracer._of(scene, options)
 
 
 @tells_unknown

@@ -128,7 +128,8 @@ class Scene(_messages.Scene):
     """Everything that a picture is made of: a value, which is read when it is rendered or saved.
 
     Beside the fields of the message (`nodes`, `materials`, `cameras`, ...) it has those of its
-    settings as attributes and keywords: `Scene(width=640, height=360, spp=64)`.
+    settings as attributes and keywords: `Scene(width=640, height=360, spp=64)`. What uses a scene
+    raises SceneError, with the script's line, for values out of their range.
     """
 
     __slots__ = ()
@@ -225,6 +226,8 @@ class Scene(_messages.Scene):
             objects and scenes keep theirs, so that they cannot be given one.
         :return: the node; a Node that is added by itself is returned as it is. One thing is its
             `shape`, `light` or `instance_of`, several are in nodes of their own, its `children`.
+
+        Raises TypeError for what is no part of a scene.
         """
         if not things:
             raise TypeError("add() of nothing; expected a Shape, Light, Node, Object, Scene or a "
@@ -275,6 +278,8 @@ class Scene(_messages.Scene):
         """Adds many instances of an object, which is stored and built once.
 
         :param transforms: an array (n, 3, 4) or (n, 4, 4), or a list of transforms.
+
+        Raises what `Instances` raises.
         """
         added = Instances(object, transforms, names, material=material)
         if not isinstance(object, str):
@@ -284,7 +289,7 @@ class Scene(_messages.Scene):
 
     def find(self, name: str, kind: Type[V] = Value) -> V:  # type: ignore[assignment]
         """The first part of that name and class: `scene.find("ivory", ts.Classic).diffuse = "red"`.
-        Finds whatever of the scene has a name."""
+        Finds whatever of the scene has a name. Raises UsageError where nothing is called so."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected text")
         if not isinstance(kind, type):
@@ -335,7 +340,9 @@ class Scene(_messages.Scene):
         return table({**summary.counts, **{what: text for what, text in rest.items() if text}})
 
     def save(self, path: Path) -> None:
-        """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json."""
+        """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json. Raises SceneError, with
+        the script's line, for what is no scene, UsageError for other endings, RenderError where the file
+        cannot be written."""
         _core.save(self, file_name(path))
 
     def to_dict(self) -> Dict[str, Any]:
