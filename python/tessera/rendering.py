@@ -270,8 +270,11 @@ def started_farm(workers: Optional[int], threads: Optional[int], verify: Union[N
     share = fraction_text("verify", 0 if verify is None else verify)
     if workers == 0:
         _core.share_verified(share, workers)
-        return Threads(None if threads is None else whole_count("threads", threads))
-    return LocalFarm(workers, 1 if threads is None else threads, share)
+        farm: BaseFarm = Threads(None if threads is None else whole_count("threads", threads))
+    else:
+        farm = LocalFarm(workers, 1 if threads is None else threads, share)
+    farm._is_of_render = True
+    return farm
 
 
 @overload

@@ -526,3 +526,21 @@ def test_an_open_mesh_is_told_by_contains():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert closed.contains((.1, .1, .1))
+
+
+def test_arrays_of_broadcast_arrays_are_taken_without_a_warning():
+    tracer = ts.Sphere().tracer()
+    origins, directions = np.broadcast_arrays(np.zeros((4, 3)), np.array([0., 0, 1]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hits = tracer.intersect(origins, directions)
+        assert hits.t.tolist() == [1] * 4
+        assert tracer.intersect_all(origins, directions).t.tolist() == [1] * 4
+
+
+def test_hits_keep_the_rays_of_broadcast_arrays_that_are_written_to_later():
+    start, direction = np.zeros((1, 3)), np.array([0., 0, 1])
+    origins, directions = np.broadcast_arrays(np.broadcast_to(start, (4, 3)), direction)
+    hits = ts.Sphere().tracer().intersect(origins, directions)
+    start[:] = direction[:] = 7
+    assert hits.point.tolist() == [[0, 0, 1]] * 4
