@@ -41,7 +41,8 @@ int main(int count, char** arguments) {
   const google::protobuf::FileDescriptor* file = pool.BuildFile(files.file(0));
   if (!file) return 1;
   for (int i = 0; i < file->message_type_count(); ++i) {
-    const std::string fault = tessera::unknown_field(*file->message_type(i));
+    std::string fault = tessera::unknown_field(*file->message_type(i));
+    if (fault.empty()) fault = tessera::untold_field(*file->message_type(i));
     if (fault.empty()) continue;
     std::fprintf(stderr, "%s\n", fault.c_str());
     return 1;
