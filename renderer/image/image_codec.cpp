@@ -129,7 +129,7 @@ void ImageCodec::start_locked() {
                            {.standard_input = theirs.get(), .discards_output = true});
   socket_ = std::move(ours);
   loads_all_ = false;
-  const timeval patience{.tv_sec = 0, .tv_usec = 250'000};
+  const timeval patience{.tv_sec = 0, .tv_usec = 100'000};
   setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
 }
