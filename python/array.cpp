@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/errors.h"
@@ -127,10 +128,17 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
   const bool may_be_indices = type.code == kElementOf<uint32_t>.code;
   if (source.read_only && !may_be_indices)
     return {source.owner, source.data, type, std::move(shape)};
-  const auto copy =
-      run_unlocked(static_cast<size_t>(bytes), [source, bytes](const std::atomic<bool>&) {
-        return std::make_shared<const std::vector<std::byte>>(source.data, source.data + bytes);
-      });
+  const auto copy = run_unlocked(static_cast<size_t>(bytes), [source,
+                                                              bytes](const std::atomic<bool>&) {
+    constexpr py::ssize_t kBetweenLooks = 1 << 24;
+    std::vector<std::byte> made;
+    made.reserve(static_cast<size_t>(bytes));
+    for (py::ssize_t at = 0; at < bytes; at += kBetweenLooks) {
+      Cancellation::check();
+      made.insert(made.end(), source.data + at, source.data + std::min(bytes, at + kBetweenLooks));
+    }
+    return std::make_shared<const std::vector<std::byte>>(std::move(made));
+  });
   return {copy, copy->data(), type, std::move(shape)};
 }
 

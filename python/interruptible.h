@@ -99,7 +99,8 @@ auto run_unlocked(size_t bytes, Work work) {
   if (bytes > kFew) return run_abandonably(std::move(work));
   const GilRelease unlocked;
   const std::atomic<bool> never{false};
-  return work(never);
+  const Work mine = std::move(work);  // ends without the GIL, too
+  return mine(never);
 }
 
 }  // namespace tessera

@@ -67,7 +67,7 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
     with nesting_ends(description, "description"):
         try:
             # To encode a part Python calls what makes it, and so looks for Ctrl-C and other threads.
-            text = json.dumps(_without_arrays(description, arrays, ""), default=lambda part: part.held)
+            text = json.dumps(_without_arrays(description, arrays, ""), default=_Part.take)
         except ValueError as error:
             if isinstance(error, Error):
                 raise
@@ -78,12 +78,16 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
 
 
 class _Part:
-    """A dict that is encoded when it is asked for."""
+    """A dict that is encoded when it is taken, once, and then forgotten."""
 
-    __slots__ = ("held",)
+    __slots__ = ("_held",)
 
     def __init__(self, held: Dict[str, Any]) -> None:
-        self.held = held
+        self._held: Optional[Dict[str, Any]] = held
+
+    def take(self) -> Optional[Dict[str, Any]]:
+        held, self._held = self._held, None
+        return held
 
 
 def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:

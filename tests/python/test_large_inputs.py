@@ -8,7 +8,11 @@ import sys
 import pytest
 from public_calls import COMMON, LARGE
 
+#: Seconds for which a call may keep the lock after a thread has asked for it. It asks after it has waited for
+#: Python's switch interval, which is 5 ms otherwise: 20 ms in all.
+MOST_LOCKED = .015
 SCRIPT = """
+sys.setswitchinterval(.001)
 call = compile({call!r}, "the call", "eval")
 
 def small_value(path):
@@ -72,7 +76,7 @@ for _ in range(5):  # a virtual machine may stand still meanwhile; what keeps th
     del made
     until_idle()
     told["locked"].append(ticker.longest)
-    if ticker.longest <= .02: break
+    if ticker.longest <= {most_locked}: break
 for part in (4, 16) if whole > .02 else ():  # the second time it may be faster
     signal.setitimer(signal.ITIMER_REAL, max(whole / part, 1e-6))
     try:
@@ -92,14 +96,14 @@ print(json.dumps(told))
 @pytest.mark.parametrize("large", [pytest.param(each, id=f"{name}-{i}") for name, calls in LARGE.items()
                                    for i, each in enumerate(calls)])
 def test_other_threads_run_and_ctrl_c_ends_it(large, tmp_path):
-    script = "import json\n" + COMMON + f"folder = {str(tmp_path)!r}\n" + SCRIPT.format(setup=large.setup,
-                                                                                      call=large.call)
+    script = "import json\n" + COMMON + f"folder = {str(tmp_path)!r}\n" + SCRIPT.format(
+        setup=large.setup, call=large.call, most_locked=MOST_LOCKED)
     done = subprocess.run([sys.executable, "-B", "-c", script], capture_output=True, text=True, timeout=900,
                           env=os.environ)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout.splitlines()[-1])
     print(large.call, told)
-    assert min(told["locked"]) <= .02, told
+    assert min(told["locked"]) <= MOST_LOCKED, told
     if large.is_heard and told["whole"] > .1:
         assert told["late"] <= .1 + told["whole"] / 10, told
         assert told["rest"] <= .5 + told["whole"] / 2, told

@@ -205,7 +205,9 @@ def plain(result):
 
 
 def are_equal(a, b):
-    return all(map(are_equal, a, b)) if type(a) is tuple else np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
+    if type(a) is tuple:
+        return all(map(are_equal, a, b))
+    return np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
 
 
 def arrays_in(result):
@@ -224,7 +226,7 @@ def test_each_call_that_takes_arrays_is_known():
     assert {name: set(parameters) for name, parameters in ARRAYS.items()} == taking
 
 
-@pytest.mark.parametrize("name, parameter", [(name, each) for name, parameters in ARRAYS.items() for each in parameters])
+@pytest.mark.parametrize("name, parameter", [(name, each) for name, known in ARRAYS.items() for each in known])
 def test_subclasses_of_arrays_are_taken_or_refused(name, parameter):
     array, call = ARRAYS[name][parameter]
     wanted = plain(call(array))
