@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "base/hex.h"
 #include "base/parallel.h"
 #include "base/process.h"
@@ -108,8 +109,17 @@ std::optional<Digest> Digest::parse(std::string_view hex) {
 std::string Digest::hex() const { return hex_text(bytes); }
 
 std::string sha256_hex(std::span<const std::byte> data) {
+  crypto_hash_sha256_state state;
+  crypto_hash_sha256_init(&state);
+  constexpr size_t kBytesBetweenLooks = size_t{1} << 22;
+  while (!data.empty()) {
+    Cancellation::check();
+    const auto some = data.first(std::min(data.size(), kBytesBetweenLooks));
+    crypto_hash_sha256_update(&state, as_octets(some), some.size());
+    data = data.subspan(some.size());
+  }
   std::array<uint8_t, crypto_hash_sha256_BYTES> hash;
-  crypto_hash_sha256(hash.data(), as_octets(data), data.size());
+  crypto_hash_sha256_final(&state, hash.data());
   return hex_text(hash);
 }
 

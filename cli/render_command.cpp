@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/all_failures.h"
+#include "base/cancellation.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
@@ -174,7 +175,12 @@ class RenderRun {
       throw Error(failure->code(),
                   fmt::format("{}; {}", failure->what(), what_was_written(report)));
     }
-    write(frame, frame.picture(result), number);
+    try {
+      const Cancellation cancellation(&interrupted());
+      write(frame, frame.picture(result), number);
+    } catch (const WorkCancelled&) {
+      throw interruption(report);
+    }
     if (failure) throw *failure;
     return ExitCode::done;
   }

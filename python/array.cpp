@@ -3,10 +3,17 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <memory>
+#include <vector>
 
+#include "base/cancellation.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "python/errors.h"
+#include "python/gil.h"
+#include "python/interruptible.h"
 
 namespace py = pybind11;
 
@@ -52,8 +59,14 @@ py::ssize_t length_of(const Array& array) {
 }
 
 /// A row of an array as an array that shares its memory; a number where there is one axis.
-py::object item_of(const Array& array, py::ssize_t index) {
+py::object item_of(const Array& array, const py::object& given) {
   const py::ssize_t length = length_of(array);
+  if (!PyIndex_Check(given.ptr())) {
+    throw py::type_error(with_article(Py_TYPE(given.ptr())->tp_name) +
+                         "; expected the index of a row");
+  }
+  const py::ssize_t index = PyNumber_AsSsize_t(given.ptr(), PyExc_IndexError);
+  if (index == -1 && PyErr_Occurred()) throw py::error_already_set();
   const py::ssize_t at = index < 0 ? index + length : index;
   if (at < 0 || at >= length) {
     throw py::index_error("index " + std::to_string(index) + " of " + std::to_string(length));
@@ -69,8 +82,11 @@ py::object item_of(const Array& array, py::ssize_t index) {
 }
 
 bool are_equal(const Array& a, const Array& b) {
-  return a.shape() == b.shape() && a.type().code == b.type().code &&
-         (a.data() == b.data() || std::ranges::equal(a.bytes(), b.bytes()));
+  if (a.shape() != b.shape() || a.type().code != b.type().code) return false;
+  if (a.data() == b.data() || a.bytes().empty()) return true;
+  return run_unlocked(a.bytes().size(), [a, b](const std::atomic<bool>&) {
+    return std::memcmp(a.data(), b.data(), a.bytes().size()) == 0;
+  });
 }
 
 /// Small arrays print as what makes them again; large ones are told.
@@ -112,8 +128,17 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
   const bool may_be_indices = type.code == kElementOf<uint32_t>.code;
   if (source.read_only && !may_be_indices)
     return {source.owner, source.data, type, std::move(shape)};
-  const auto copy =
-      std::make_shared<const std::vector<std::byte>>(source.data, source.data + bytes);
+  const auto copy = run_unlocked(static_cast<size_t>(bytes), [source,
+                                                              bytes](const std::atomic<bool>&) {
+    constexpr py::ssize_t kBetweenLooks = 1 << 24;
+    std::vector<std::byte> made;
+    made.reserve(static_cast<size_t>(bytes));
+    for (py::ssize_t at = 0; at < bytes; at += kBetweenLooks) {
+      Cancellation::check();
+      made.insert(made.end(), source.data + at, source.data + std::min(bytes, at + kBetweenLooks));
+    }
+    return std::make_shared<const std::vector<std::byte>>(std::move(made));
+  });
   return {copy, copy->data(), type, std::move(shape)};
 }
 
@@ -121,9 +146,18 @@ Array from_bytes(const py::buffer& given, const std::string& code, Array::Shape 
 Array from_list(const py::list& numbers, const std::string& code, Array::Shape shape) {
   element_type(code);
   const py::module_ module = py::module_::import("struct");
-  const std::string format = std::to_string(numbers.size()) + (code == "e" ? "H" : code);
+  const auto pack = module.attr("pack");
+  constexpr py::ssize_t kAtOnce = 1 << 14;
+  py::list parts;
   try {
-    return from_bytes(module.attr("pack")(format, *numbers), code, std::move(shape));
+    for (py::ssize_t at = 0; at < PyList_GET_SIZE(numbers.ptr()); at += kAtOnce) {
+      const auto some =
+          py::reinterpret_steal<py::list>(PyList_GetSlice(numbers.ptr(), at, at + kAtOnce));
+      const std::string format = std::to_string(some.size()) + (code == "e" ? "H" : code);
+      parts.append(pack(format, *some));
+      let_others_run();
+    }
+    return from_bytes(py::bytes().attr("join")(parts), code, std::move(shape));
   } catch (py::error_already_set& error) {
     if (!error.matches(module.attr("error"))) throw;
     throw py::value_error("Array: " + py::str(error.value()).cast<std::string>() +
@@ -131,12 +165,47 @@ Array from_list(const py::list& numbers, const std::string& code, Array::Shape s
   }
 }
 
+/// Bytes that are pickled at once, in a millisecond or so.
+constexpr py::ssize_t kPickledBytes = 1 << 20;
+
+/// The bytes of an array as arrays of some of them each, which pickle() asks one after the other.
+py::list parts_of(const Array& array) {
+  const auto* const first = static_cast<const std::byte*>(array.data());
+  const auto size = static_cast<py::ssize_t>(array.bytes().size());
+  py::list parts;
+  for (py::ssize_t at = 0; at < size; at += kPickledBytes) {
+    parts.append(Array(array.owner(), first + at, kElementOf<uint8_t>,
+                       {std::min(kPickledBytes, size - at)}));
+  }
+  return parts;
+}
+
+/// An array of that type from arrays of its bytes in order.
+Array from_parts(const std::vector<Array>& parts, const std::string& code, Array::Shape shape) {
+  const ElementType type = element_type(code);
+  size_t size = 0;
+  for (const Array& part : parts) size += part.bytes().size();
+  const auto joined = run_unlocked(size, [parts, size](const std::atomic<bool>&) {
+    std::vector<std::byte> bytes;
+    bytes.reserve(size);
+    for (const Array& part : parts)
+      bytes.insert(bytes.end(), part.bytes().begin(), part.bytes().end());
+    return std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  });
+  const Array whole(joined, joined->data(), type, std::move(shape));
+  if (whole.bytes().size() != size) throw py::value_error("Array: parts of another size");
+  return whole;
+}
+
 py::tuple reduce(const py::object& self, int protocol) {
   const auto& array = self.cast<const Array&>();
   py::object bytes;
   if (protocol >= 5) {
     bytes = py::module_::import("pickle").attr("PickleBuffer")(self);
+  } else if (static_cast<py::ssize_t>(array.bytes().size()) > kPickledBytes) {
+    bytes = parts_of(array);
   } else {
+    let_others_run();
     bytes = py::bytes(reinterpret_cast<const char*>(array.data()), array.bytes().size());
   }
   return py::make_tuple(py::module_::import("tessera._value").attr("restore_array"),
@@ -161,7 +230,8 @@ void bind_arrays(py::module_& module) {
       .def("__copy__", [](const py::object& self) { return self; })
       .def("__deepcopy__", [](const py::object& self, const py::object&) { return self; })
       .def_static("of", from_list, "An array of the numbers in a list.")
-      .def_static("from_bytes", from_bytes, "An array of the bytes of a buffer.");
+      .def_static("from_bytes", from_bytes, "An array of the bytes of a buffer.")
+      .def_static("_from_parts", from_parts);
 }
 
 }  // namespace tessera

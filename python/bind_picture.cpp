@@ -8,9 +8,11 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/all_failures.h"
+#include "base/cancellation.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "bench/error/difference.h"
@@ -21,7 +23,6 @@
 #include "python/array.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
-#include "python/gil.h"
 #include "python/interruptible.h"
 #include "renderer/image/image_file.h"
 #include "renderer/math/encodings.h"
@@ -44,6 +45,8 @@ OutputSettings settings_of(const RenderedPicture& picture, const OptionValues& v
   return output_settings("scene", picture.output, options);
 }
 
+constexpr size_t kPixelsBetweenLooks = size_t{1} << 20;
+
 /// Channels [first, first + count) of every pixel, in an array of their own.
 template <typename Value>
 std::vector<Value> gather(const Film& film, int first, int count) {
@@ -52,6 +55,7 @@ std::vector<Value> gather(const Film& film, int first, int count) {
   const size_t pixels = film.values().size() / channels;
   std::vector<Value> out(pixels * kept);
   for (size_t pixel = 0; pixel < pixels; ++pixel) {
+    if (pixel % kPixelsBetweenLooks == 0) Cancellation::check();
     const float* from = &film.values()[pixel * channels + static_cast<size_t>(first)];
     for (size_t i = 0; i < kept; ++i) out[pixel * kept + i] = static_cast<Value>(from[i]);
   }
@@ -125,61 +129,82 @@ class LightOfCodes {
 /// The linear light of codes in sRGB from 0 to 1, as the command line has it.
 Array linear_of_srgb(const py::handle& given) {
   const ArraySource codes = array_source(given, "array");
-  std::vector<float> light = run_abandonably([codes](StopFlag) {
+  // Integers are a share of the largest that their type has.
+  const double most =
+      codes.kind == 'u' ? std::exp2(8 * static_cast<double>(codes.item_size)) - 1 : 1;
+  std::vector<float> light = run_abandonably([codes, most](StopFlag) {
     std::vector<float> made;
     made.reserve(static_cast<size_t>(codes.count()));
     LightOfCodes light_of;
-    for_each_element<double>(codes, 0, codes.count(),
-                             [&](double code) { made.push_back(light_of(code)); });
+    constexpr py::ssize_t kBetweenLooks = 1 << 20;
+    for (py::ssize_t at = 0; at < codes.count(); at += kBetweenLooks) {
+      Cancellation::check();
+      for_each_element<double>(codes, at, std::min(kBetweenLooks, codes.count() - at),
+                               [&](double code) { made.push_back(light_of(code / most)); });
+    }
     return made;
   });
   return {std::move(light), codes.shape};
 }
 
+size_t picture_bytes(int width, int height) {
+  return film_bytes(PixelRect{0, 0, width, height}, {});
+}
+
 /// A picture of light alone, from (h, w, 3) float32 values in a row.
-PicturePointer from_values(int width, int height, const py::buffer& values) {
-  const py::buffer_info info = values.request();
-  Film film(PixelRect{0, 0, width, height});
-  if (info.size * info.itemsize != static_cast<py::ssize_t>(film.values().size_bytes())) {
-    throw usage_error("values: not as many as the picture has");
-  }
-  {
-    const GilRelease release;
-    std::memcpy(film.values().data(), info.ptr, film.values().size_bytes());
-  }
-  RenderedPicture picture{.film = std::move(film), .output = {}};
+PicturePointer picture_of_light(int width, int height, const void* light) {
+  RenderedPicture picture{.film = Film(PixelRect{0, 0, width, height}), .output = {}};
+  std::memcpy(picture.film.values().data(), light, picture_bytes(width, height));
   picture.metadata.frame_width = width;
   picture.metadata.frame_height = height;
   return std::make_shared<RenderedPicture>(std::move(picture));
 }
 
+/// float32 in a row, three for each of so many pixels.
+ArraySource light_source(const py::handle& values, int64_t pixels) {
+  ArraySource light = array_source(values, "values");
+  if (!light.is_plain(kElementOf<float>) || light.count() != pixels * kFilmChannels) {
+    throw usage_error("values: not as many float32 as the picture has");
+  }
+  return light;
+}
+
+/// The picture of such values in an array.
+PicturePointer from_values(int width, int height, const py::handle& values) {
+  const ArraySource light = light_source(values, int64_t{width} * height);
+  return run_unlocked(picture_bytes(width, height), [light, width, height](StopFlag) {
+    return picture_of_light(width, height, light.data);
+  });
+}
+
 /// The picture with other light, (h, w, 3) float32 values in a row: all else stays.
-PicturePointer with_light(const PicturePointer& picture, const py::buffer& values) {
-  const py::buffer_info info = values.request();
-  const auto* light = static_cast<const float*>(info.ptr);
-  const GilRelease release;
-  Film film = picture->film.with_only(picture->film.aovs());
-  const auto channels = static_cast<size_t>(film.channels());
-  const size_t pixels = film.values().size() / channels;
-  if (info.itemsize != sizeof(float) ||
-      info.size != static_cast<py::ssize_t>(pixels * kFilmChannels)) {
-    throw usage_error("values: not as many as the picture has");
-  }
-  for (size_t pixel = 0; pixel < pixels; ++pixel) {
-    std::copy_n(light + pixel * kFilmChannels, kFilmChannels, &film.values()[pixel * channels]);
-  }
-  return std::make_shared<RenderedPicture>(RenderedPicture{.film = std::move(film),
-                                                           .output = picture->output,
-                                                           .metadata = picture->metadata,
-                                                           .report = picture->report,
-                                                           .statistics = picture->statistics});
+PicturePointer with_light(const PicturePointer& picture, const py::handle& values) {
+  const ArraySource light = light_source(values, picture->film.rect().area());
+  return run_unlocked(picture->film.values().size_bytes(), [picture, light](StopFlag) {
+    Film film = picture->film.with_only(picture->film.aovs());
+    const auto channels = static_cast<size_t>(film.channels());
+    const size_t pixels = film.values().size() / channels;
+    const auto* from = reinterpret_cast<const float*>(light.data);
+    for (size_t pixel = 0; pixel < pixels; ++pixel) {
+      std::copy_n(from + pixel * kFilmChannels, kFilmChannels, &film.values()[pixel * channels]);
+    }
+    return std::make_shared<RenderedPicture>(RenderedPicture{.film = std::move(film),
+                                                             .output = picture->output,
+                                                             .metadata = picture->metadata,
+                                                             .report = picture->report,
+                                                             .statistics = picture->statistics});
+  });
 }
 
 /// Whether both have the same bits, in light and beside it.
-bool have_same_bits(const RenderedPicture& a, const RenderedPicture& b) {
-  const auto first = std::as_bytes(a.film.values()), second = std::as_bytes(b.film.values());
-  return a.film.width() == b.film.width() && a.film.height() == b.film.height() &&
-         a.film.aovs().bits() == b.film.aovs().bits() && std::ranges::equal(first, second);
+bool have_same_bits(const PicturePointer& a, const PicturePointer& b) {
+  if (a->film.width() != b->film.width() || a->film.height() != b->film.height() ||
+      a->film.aovs().bits() != b->film.aovs().bits())
+    return false;
+  const size_t bytes = a->film.values().size_bytes();
+  return run_unlocked(bytes, [a, b, bytes](StopFlag) {
+    return std::memcmp(a->film.values().data(), b->film.values().data(), bytes) == 0;
+  });
 }
 
 std::vector<std::string> names_of(AovSet aovs) {
@@ -199,10 +224,12 @@ py::tuple read_file(const std::string& path) {
                         !image.meaning.from_integers);
 }
 
-/// Red, green and blue of a picture in a file as linear light.
-Array read_light(const std::string& path) {
-  const FloatImage image = run_abandonably([path](StopFlag) { return read_image(path); });
-  return {linear_light(image), {image.height, image.width, 3}};
+/// The picture in a file: red, green and blue as linear light.
+PicturePointer picture_from_file(const std::string& path) {
+  return run_abandonably([path](StopFlag) {
+    const FloatImage image = read_image(path);
+    return picture_of_light(image.width, image.height, linear_light(image).data());
+  });
 }
 
 /// How far the light of one picture is from that of another of the same size, the reference.
@@ -235,19 +262,20 @@ py::dict compare(const PicturePointer& first, const PicturePointer& second) {
       "worst"_a = py::make_tuple(difference.worst_pixel % width, difference.worst_pixel / width));
 }
 
-/// The light (h, w, 3): a view where there is nothing beside it.
-Array light_of(const PicturePointer& picture) {
+/// A view of all values (h, w, channels), of which light is the first three.
+Array values_of(const PicturePointer& picture) {
   const Film& film = picture->film;
-  const Array::Shape shape = {film.height(), film.width(), kFilmChannels};
-  if (film.aovs().empty()) return Array(picture, film.values().data(), kElementOf<float>, shape);
-  return Array(run_abandonably(
-                   [picture](StopFlag) { return gather<float>(picture->film, 0, kFilmChannels); }),
-               shape);
+  return Array(picture, film.values().data(), kElementOf<float>,
+               {film.height(), film.width(), film.channels()});
 }
 
-Array channels_of(const PicturePointer& picture, const std::string& name) {
-  const Film& film = picture->film;
-  const py::ssize_t height = film.height(), width = film.width();
+/// Where an AOV's channels are among those of a pixel.
+struct ChannelsOfAov {
+  int first, count;
+  bool is_whole;  ///< its numbers are whole
+};
+
+ChannelsOfAov find_channels(const Film& film, const std::string& name) {
   const std::vector<std::string>& names = aov_names();
   const auto found = std::find(names.begin(), names.end(), name);
   const auto aov = static_cast<Aov>(found - names.begin());
@@ -262,24 +290,30 @@ Array channels_of(const PicturePointer& picture, const std::string& name) {
     throw usage_error(fmt::format("aov: '{}'; expected one of those that were rendered: {}{}", name,
                                   fmt::join(held, ", "), suggestion(name, held)));
   }
-  const int first = film.aovs().first_channel(aov);
-  const int count = AovSet().with(aov).channels() - kFilmChannels;
-  Array::Shape shape = {height, width};
+  return {film.aovs().first_channel(aov), AovSet().with(aov).channels() - kFilmChannels,
+          aov == Aov::id || aov == Aov::primitive || aov == Aov::origin};
+}
+
+/// So many channels from one on, copied: (h, w, count), or (h, w) of one.
+template <typename Value>
+Array copy_of_channels(const PicturePointer& picture, int first, int count) {
+  Array::Shape shape = {picture->film.height(), picture->film.width()};
   if (count > 1) shape.push_back(count);
-  const auto values = [&]<typename Value>(Value) {
-    return Array(run_abandonably([picture, first, count](StopFlag) {
-                   return gather<Value>(picture->film, first, count);
-                 }),
-                 shape);
-  };
-  const bool is_whole = aov == Aov::id || aov == Aov::primitive || aov == Aov::origin;
-  return is_whole ? values(uint32_t{}) : values(float{});
+  return Array(run_abandonably([picture, first, count](StopFlag) {
+                 return gather<Value>(picture->film, first, count);
+               }),
+               shape);
+}
+
+Array channels_of(const PicturePointer& picture, const std::string& name) {
+  const auto [first, count, is_whole] = find_channels(picture->film, name);
+  return is_whole ? copy_of_channels<uint32_t>(picture, first, count)
+                  : copy_of_channels<float>(picture, first, count);
 }
 
 }  // namespace
 
 void bind_picture(py::module_& module) {
-  using Release = py::call_guard<GilRelease>;
   bind_class<RenderedPicture, PicturePointer>(module, "Picture")
       .def_property_readonly("width", [](const RenderedPicture& p) { return p.film.width(); })
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
@@ -298,9 +332,18 @@ void bind_picture(py::module_& module) {
            [](const PicturePointer& picture) {
              return run_abandonably([picture](StopFlag) { return picture->film.pixels_sha256(); });
            })
-      .def("equals", &have_same_bits, Release())
-      .def_property_readonly("light", &light_of)
+      .def("equals", &have_same_bits)
+      .def_property_readonly("values", &values_of)
+      .def("light",
+           [](const PicturePointer& picture) {
+             return copy_of_channels<float>(picture, 0, kFilmChannels);
+           })
       .def("channels", &channels_of)
+      .def("place_of",
+           [](const RenderedPicture& picture, const std::string& name) {
+             const auto [first, count, is_whole] = find_channels(picture.film, name);
+             return py::make_tuple(first, count, is_whole);
+           })
       .def("with_light", &with_light)
       .def("to_srgb", &to_srgb)
       .def("encode", &encode)
@@ -308,7 +351,7 @@ void bind_picture(py::module_& module) {
   module.def("linear_of_srgb", &linear_of_srgb);
   module.def("picture_from_values", &from_values);
   module.def("read_picture", &read_file);
-  module.def("read_light", &read_light);
+  module.def("picture_from_file", &picture_from_file);
   module.def("holds_floats", [](const std::string& path) { return holds_floats(path); });
   module.def("holds_aovs", [](const std::string& path) { return holds_aovs(path); });
   module.def("compare", &compare);

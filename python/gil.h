@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cxxabi.h>
+#include <pybind11/eval.h>
 #include <pybind11/pybind11.h>
 #include <unistd.h>
 
@@ -61,16 +62,30 @@ class GilRelease {
   std::optional<UnlockedWork> work_;
 };
 
-/// For loops over Python's values, which need the GIL: called once a value, lets other threads and
-/// Ctrl-C in now and then, as to do so takes longer than a value. What the loop looks at may have
-/// changed afterwards. Throws what a signal handler raises.
+/// Ends what is large without the GIL, which the caller must hold.
+template <typename T>
+void free_unlocked(T value) {
+  const GilRelease unlocked;
+  const T ends_first = std::move(value);
+}
+
+/// Lets threads that ask for the GIL have it, and signal handlers run, whose exceptions it throws.
+///
+/// It runs a function of Python that does nothing, before which the interpreter looks whether
+/// anybody asks. A thread asks after it has waited for 5 ms; to release the GIL more often than
+/// that would wake it each time, and have it wait anew.
+inline void let_others_run() {
+  static const pybind11::handle nothing = pybind11::eval("lambda: None").release();
+  run_or_sleep([] { nothing(); });
+}
+
+/// For loops over Python's values, which need the GIL: called once a value, now and then calls
+/// let_others_run(). What the loop looks at may have changed afterwards.
 class GilPauses {
  public:
   void operator()() {
-    constexpr uint32_t kValuesBetween = 1024;
-    if (++count_ % kValuesBetween != 0) return;
-    { const GilRelease others_run; }
-    if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
+    constexpr uint32_t kValuesBetween = 256;
+    if (++count_ % kValuesBetween == 0) let_others_run();
   }
 
  private:

@@ -91,4 +91,16 @@ auto run_abandonably(Work work) {
   return running->result();
 }
 
+/// Like run_abandonably(), for work over so many bytes in one pass: on this thread where they are
+/// so few that to start another would take longer than that, or Ctrl-C is heard soon enough after.
+template <typename Work>
+auto run_unlocked(size_t bytes, Work work) {
+  constexpr size_t kFew = size_t{16} << 20;
+  if (bytes > kFew) return run_abandonably(std::move(work));
+  const GilRelease unlocked;
+  const std::atomic<bool> never{false};
+  const Work mine = std::move(work);  // ends without the GIL, too
+  return mine(never);
+}
+
 }  // namespace tessera

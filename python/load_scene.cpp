@@ -12,6 +12,7 @@
 #include "front/read_options.h"
 #include "front/texture_decoder.h"
 #include "python/bindings.h"
+#include "python/gil.h"
 #include "python/interruptible.h"
 #include "python/scene_values.h"
 #include "renderer/scene/scene.h"
@@ -36,8 +37,10 @@ py::tuple load(const std::string& path, const OptionValues& values, int32_t fram
   for (const auto& [name, value] : values) assign_option(list, name, value);
   LoadedScene loaded = run_abandonably(
       [path, reading](const std::atomic<bool>&) { return read_scene(path, reading); });
-  return py::make_tuple(value_of({std::move(loaded.scene), std::move(loaded.blobs)}),
-                        loaded.warnings);
+  SceneWithBlobs read{std::move(loaded.scene), std::move(loaded.blobs)};
+  const py::object scene = value_of(read);
+  free_unlocked(std::move(read));
+  return py::make_tuple(scene, loaded.warnings);
 }
 
 std::shared_ptr<const Scene> build(const SceneWithBlobs& made, const RenderOptions& options) {

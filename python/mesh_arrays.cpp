@@ -10,6 +10,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "python/array_kernels.h"
 #include "python/array_source.h"
@@ -52,6 +55,11 @@ Array::Shape blob_shape(const ArraySource& source, py::ssize_t columns) {
   return columns == 0 ? Array::Shape{rows} : Array::Shape{rows, columns};
 }
 
+/// About as many as are read and written where an array is converted.
+size_t bytes_worked_on(const ArraySource& source) {
+  return static_cast<size_t>(source.count() * source.item_size);
+}
+
 /// Copies indices as uint32; returns whether each is less than `limit`.
 bool narrow_indices(const ArraySource& source, uint64_t limit, uint32_t* out) {
   const auto count = static_cast<size_t>(source.count());
@@ -79,13 +87,13 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
     throw py::type_error(fmt::format("{}: {}; expected an integer type", field,
                                      source.kind == 'f' ? "floats" : "booleans"));
   }
-  const auto indices =
-      std::make_shared_for_overwrite<uint32_t[]>(static_cast<size_t>(source.count()));
-  bool all_fit;
-  {
-    const GilRelease unlocked;
-    all_fit = narrow_indices(source, limit, indices.get());
-  }
+  const auto [indices, all_fit] =
+      run_unlocked(bytes_worked_on(source), [source, limit](const std::atomic<bool>&) {
+        const auto out =
+            std::make_shared_for_overwrite<uint32_t[]>(static_cast<size_t>(source.count()));
+        const bool fit = narrow_indices(source, limit, out.get());
+        return std::pair(out, fit);
+      });
   if (all_fit) return indices;
   std::optional<py::ssize_t> first;
   py::ssize_t at = 0;
@@ -111,39 +119,42 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
 std::vector<float> to_colors(const ArraySource& source) {
   const bool is_code = source.kind == 'u' && source.item_size <= 2;
   const double largest = source.item_size == 1 ? 255 : 65535;
-  double worst = 0;
-  const py::ssize_t columns = source.shape.size() == 2 ? source.shape[1] : 4;
-  std::vector<float> colors;
-  std::optional<GilRelease> unlocked(std::in_place);
-  colors.reserve(static_cast<size_t>(source.count() / columns * 4));
-  py::ssize_t column = 0;
-  for_each_element<double>(source, 0, source.count(), [&](double value) {
-    const double level = is_code ? value / largest : value;
-    if (level < 0 || level > 1) worst = level;
-    colors.push_back(static_cast<float>(is_code && column < 3 ? srgb_to_linear(level) : level));
-    if (columns == 3 && column == 2) colors.push_back(1);
-    column = (column + 1) % columns;
-  });
-  unlocked.reset();
+  auto [colors, worst] =
+      run_unlocked(bytes_worked_on(source), [source, is_code, largest](const std::atomic<bool>&) {
+        const py::ssize_t columns = source.shape.size() == 2 ? source.shape[1] : 4;
+        std::vector<float> made;
+        made.reserve(static_cast<size_t>(source.count() / columns * 4));
+        py::ssize_t column = 0;
+        double wrong = 0;
+        for_each_element<double>(source, 0, source.count(), [&](double value) {
+          const double level = is_code ? value / largest : value;
+          if (level < 0 || level > 1) wrong = level;
+          made.push_back(static_cast<float>(is_code && column < 3 ? srgb_to_linear(level) : level));
+          if (columns == 3 && column == 2) made.push_back(1);
+          column = (column + 1) % columns;
+        });
+        return std::pair(std::move(made), wrong);
+      });
   if (source.kind != 'f' && worst != 0) {
     throw py::value_error(fmt::format(
         "colors: the whole number {}; expected floats, or uint8 or uint16 codes in sRGB", worst));
   }
-  return colors;
+  return std::move(colors);
 }
 
 std::vector<float> to_floats(const ArraySource& source) {
-  std::vector<float> floats;
-  const GilRelease unlocked;
-  if (source.is_plain(kElementOf<float>)) {
-    floats.resize(static_cast<size_t>(source.count()));
-    if (!floats.empty()) std::memcpy(floats.data(), source.data, floats.size() * sizeof(float));
+  return run_unlocked(bytes_worked_on(source), [source](const std::atomic<bool>&) {
+    std::vector<float> floats;
+    if (source.is_plain(kElementOf<float>)) {
+      floats.resize(static_cast<size_t>(source.count()));
+      if (!floats.empty()) std::memcpy(floats.data(), source.data, floats.size() * sizeof(float));
+      return floats;
+    }
+    floats.reserve(static_cast<size_t>(source.count()));
+    for_each_element<float>(source, 0, source.count(),
+                            [&](float number) { floats.push_back(number); });
     return floats;
-  }
-  floats.reserve(static_cast<size_t>(source.count()));
-  for_each_element<float>(source, 0, source.count(),
-                          [&](float number) { floats.push_back(number); });
-  return floats;
+  });
 }
 
 /// Whether `copy` of Mesh is False.
@@ -182,9 +193,8 @@ Array share(const ArraySource& source, ElementType type, Array::Shape shape) {
 
 Array copy_texels(const ArraySource& source, ElementType type) {
   if (type.code == 'f') return {to_floats(source), source.shape};
-  std::vector<uint8_t> bytes(static_cast<size_t>(source.count() * type.size));
-  {
-    const GilRelease unlocked;
+  const auto kept = run_unlocked(bytes_worked_on(source), [source, type](const std::atomic<bool>&) {
+    std::vector<uint8_t> bytes(static_cast<size_t>(source.count() * type.size));
     if (source.is_contiguous() && !source.swapped) {
       if (!bytes.empty()) std::memcpy(bytes.data(), source.data, bytes.size());
     } else {
@@ -196,8 +206,8 @@ Array copy_texels(const ArraySource& source, ElementType type) {
         out += type.size;
       });
     }
-  }
-  auto kept = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+    return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+  });
   return {kept, kept->data(), type, source.shape};
 }
 
@@ -250,20 +260,19 @@ py::tuple take_positions(py::handle given, py::handle copy, bool recenter) {
   if (!recenter && (refuses_copy || (source.kind == 'f' && source.item_size <= 4))) {
     return py::make_tuple(take_blob_array(given, "positions", copy), py::none(), 0.0);
   }
-  const auto count = static_cast<size_t>(source.count());
-  const auto rounded = std::make_shared_for_overwrite<float[]>(count);
-  std::array<double, 3> middle{};
-  double moved = 0;
-  {
-    const GilRelease unlocked;
-    VertexBounds bounds = round_all(source, middle, rounded.get());
-    if (recenter && count > 0) {
-      for (size_t axis = 0; axis < 3; ++axis)
-        middle[axis] = bounds.least[axis] + (bounds.most[axis] - bounds.least[axis]) / 2;
-      bounds = round_all(source, middle, rounded.get());
-    }
-    moved = large_move(source, middle, rounded.get(), bounds);
-  }
+  const auto [rounded, middle, moved] =
+      run_unlocked(bytes_worked_on(source), [source, recenter](const std::atomic<bool>&) {
+        const auto count = static_cast<size_t>(source.count());
+        const auto out = std::make_shared_for_overwrite<float[]>(count);
+        std::array<double, 3> center{};
+        VertexBounds bounds = round_all(source, center, out.get());
+        if (recenter && count > 0) {
+          for (size_t axis = 0; axis < 3; ++axis)
+            center[axis] = bounds.least[axis] + (bounds.most[axis] - bounds.least[axis]) / 2;
+          bounds = round_all(source, center, out.get());
+        }
+        return std::tuple(out, center, large_move(source, center, out.get(), bounds));
+      });
   const Array array(rounded, rounded.get(), kElementOf<float>, blob_shape(source, 3));
   return py::make_tuple(array,
                         recenter ? py::object(py::make_tuple(middle[0], middle[1], middle[2]))
@@ -369,8 +378,8 @@ static TriangleMesh mesh_of(const Array& positions, const Array& triangles) {
 
 static Array open_edges_of(const Array& positions, const Array& triangles) {
   const std::vector<OpenEdge> edges =
-      run_abandonably([mesh = mesh_of(positions, triangles)](const std::atomic<bool>&) {
-        return open_edges(mesh);
+      run_abandonably([positions, triangles](const std::atomic<bool>&) {
+        return open_edges(mesh_of(positions, triangles));
       });
   std::vector<uint32_t> rows;
   for (const OpenEdge& edge : edges) rows.insert(rows.end(), {edge.from, edge.to});
@@ -378,15 +387,13 @@ static Array open_edges_of(const Array& positions, const Array& triangles) {
 }
 
 static Array merged_positions(const Array& positions, double distance) {
-  std::vector<float> merged =
-      run_abandonably([given = mesh_of(positions, Array(std::vector<uint32_t>(), {0, 3})),
-                       distance](const std::atomic<bool>&) {
-        TriangleMesh mesh = given;
-        merge_vertices(mesh, distance);
-        std::vector<float> numbers(3 * mesh.positions.size());
-        std::memcpy(numbers.data(), mesh.positions.data(), numbers.size() * sizeof(float));
-        return numbers;
-      });
+  std::vector<float> merged = run_abandonably([positions, distance](const std::atomic<bool>&) {
+    TriangleMesh mesh = mesh_of(positions, Array(std::vector<uint32_t>(), {0, 3}));
+    merge_vertices(mesh, distance);
+    std::vector<float> numbers(3 * mesh.positions.size());
+    std::memcpy(numbers.data(), mesh.positions.data(), numbers.size() * sizeof(float));
+    return numbers;
+  });
   return {std::move(merged), positions.shape()};
 }
 

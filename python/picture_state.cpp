@@ -1,8 +1,10 @@
 // Pictures as tuples of what Python can pickle, and back.
 #include <pybind11/stl.h>
 
-#include <algorithm>
+#include <atomic>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -13,7 +15,7 @@
 #include "proto/wire/scene_codec.h"
 #include "python/array.h"
 #include "python/bindings.h"
-#include "python/gil.h"
+#include "python/interruptible.h"
 
 namespace py = pybind11;
 
@@ -59,20 +61,22 @@ std::shared_ptr<RenderedPicture> picture_of(const State& state) {
     throw usage_error("state: of no picture; expected one of this version of Tessera");
   }
   const PixelRect rect{x0, y0, x0 + static_cast<int>(shape[1]), y0 + static_cast<int>(shape[0])};
-  RenderedPicture made{.film = Film(rect, AovSet(aovs)), .output = asked->settings().output()};
-  const auto* first = static_cast<const float*>(values.data());
-  {
-    const GilRelease release;
-    std::copy(first, first + made.film.values().size(), made.film.values().begin());
-  }
-  ImageMetadata& metadata = made.metadata;
+  const auto picture = run_unlocked(
+      values.bytes().size(), [values = values, rect, aovs = aovs,
+                              output = asked->settings().output()](const std::atomic<bool>&) {
+        auto made = std::make_shared<RenderedPicture>(
+            RenderedPicture{.film = Film(rect, AovSet(aovs)), .output = output});
+        std::memcpy(made->film.values().data(), values.data(), values.bytes().size());
+        return made;
+      });
+  ImageMetadata& metadata = picture->metadata;
   std::tie(metadata.scene_digest, metadata.seed, metadata.samples_per_pixel, metadata.denoiser,
            metadata.colors, metadata.frame_width, metadata.frame_height) = told;
   for (const auto& [left, top, right, bottom] : holes) {
-    made.report.holes.push_back({left, top, right, bottom});
+    picture->report.holes.push_back({left, top, right, bottom});
   }
-  made.statistics = statistics;
-  return std::make_shared<RenderedPicture>(std::move(made));
+  picture->statistics = statistics;
+  return picture;
 }
 
 }  // namespace

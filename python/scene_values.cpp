@@ -5,6 +5,7 @@
 #include "front/option_list.h"
 #include "front/read_options.h"
 #include "proto/tessera/v1/scene.pb.h"
+#include "python/array.h"
 #include "python/bindings.h"
 #include "python/errors.h"
 #include "python/gil.h"
@@ -46,21 +47,44 @@ py::object value_of(const SceneWithBlobs& scene) { return write_value(scene.scen
 
 namespace {
 
+/// The bytes of a message, if there is one, and of a scene.
+Array described(std::unique_ptr<pb::Message> message, v1::Scene scene) {
+  size_t size = 0;
+  {
+    const GilRelease unlocked;
+    size = (message ? message->ByteSizeLong() : 0) + scene.ByteSizeLong();
+  }
+  std::vector<uint8_t> bytes =
+      run_unlocked(size, [message = std::shared_ptr<const pb::Message>(std::move(message)),
+                          scene = std::move(scene)](const std::atomic<bool>&) {
+        const std::string text =
+            (message ? bytes_of(*message) + '\0' : std::string()) + serialize_scene(scene);
+        return std::vector<uint8_t>(text.begin(), text.end());
+      });
+  const auto count = static_cast<py::ssize_t>(bytes.size());
+  return {std::move(bytes), {count}};
+}
+
 /// Bytes that are equal where two values of one class describe the same: the value's message and
 /// what it refers to.
-py::bytes describe(py::handle value) {
+Array describe(py::handle value) {
   const ValueClass* made = find_value_class(value);
   if (!made) throw py::type_error("describe: no value of a scene");
   v1::Scene scene;
   BlobStore blobs;
   if (made->message == v1::Scene::descriptor()) {
     ValueReader(scene, blobs).read(value, scene);
-    return serialize_scene(scene);
+    return described(nullptr, std::move(scene));
   }
-  const std::unique_ptr<pb::Message> message(
-      pb::MessageFactory::generated_factory()->GetPrototype(made->message)->New());
-  ValueReader(scene, blobs).read(value, *message);
-  return bytes_of(*message) + '\0' + serialize_scene(scene);
+  // The message of a shape has no room for its transform, which a node has.
+  const bool is_shape = made->message == v1::Shape::descriptor();
+  const pb::Descriptor* type = is_shape ? v1::Node::descriptor() : made->message;
+  std::unique_ptr<pb::Message> message(
+      pb::MessageFactory::generated_factory()->GetPrototype(type)->New());
+  ValueReader reader(scene, blobs);
+  is_shape ? reader.read_node(value, static_cast<v1::Node&>(*message))
+           : reader.read(value, *message);
+  return described(std::move(message), std::move(scene));
 }
 
 std::string digest_of(py::handle scene) {
@@ -84,14 +108,17 @@ std::string to_json(py::handle scene) {
   });
 }
 
-py::object from_json(const std::string& text, const py::dict& arrays) {
-  SceneWithBlobs made = run_abandonably(
-      [text](const std::atomic<bool>&) { return decode_scene(text, SceneEncoding::json, "dict"); });
+py::object from_json(std::string text, const py::dict& arrays) {
+  SceneWithBlobs made = run_abandonably([text = std::move(text)](const std::atomic<bool>&) {
+    return decode_scene(text, SceneEncoding::json, "dict");
+  });
   for (const auto& [digest, array] : arrays) {
     const auto& [name, blob] = blob_of(array.cast<const Array&>());
     made.blobs.put(name, blob);
   }
-  return value_of(made);
+  const py::object scene = value_of(made);
+  free_unlocked(std::move(made));
+  return scene;
 }
 
 }  // namespace

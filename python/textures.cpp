@@ -64,19 +64,22 @@ DecodedTexture texture_of(const Array& texels, bool is_associated) {
 Array light_of_texels(const Array& texels, bool is_associated) {
   const auto axes = texels.shape().size();
   if (texels.type().size == 1 || (axes != 2 && axes != 3)) return texels;
-  DecodedTexture texture = texture_of(texels, is_associated);
-  decode_picture(texture, SampleEncoding::srgb);
-  return Array(texture.texels, texture.texels->data(), texel_type(texture.bits), texels.shape());
+  const DecodedTexture light = run_abandonably([texels, is_associated](const std::atomic<bool>&) {
+    DecodedTexture texture = texture_of(texels, is_associated);
+    decode_picture(texture, SampleEncoding::srgb);
+    return texture;
+  });
+  return Array(light.texels, light.texels->data(), texel_type(light.bits), texels.shape());
 }
 
 /// The texels (h, w) or (h, w, c) followed by all smaller levels, in a row, and how many there are.
 std::pair<Array, uint32_t> with_mip_levels(const Array& texels, bool is_srgb, bool is_associated) {
-  const DecodedTexture texture = texture_of(texels, is_associated);
-  const auto [all, levels] = run_abandonably([texture, is_srgb](const std::atomic<bool>&) {
-    DecodedTexture made = texture;
-    const uint32_t count = add_mip_levels(made, is_srgb);
-    return std::pair(made.texels, count);
-  });
+  const auto [all, levels] =
+      run_abandonably([texels, is_srgb, is_associated](const std::atomic<bool>&) {
+        DecodedTexture made = texture_of(texels, is_associated);
+        const uint32_t count = add_mip_levels(made, is_srgb);
+        return std::pair(made.texels, count);
+      });
   const auto size = static_cast<py::ssize_t>(all->size()) / texels.type().size;
   return {Array(all, all->data(), texels.type(), {size}), levels};
 }

@@ -169,15 +169,22 @@ v1::FrameSettings frame_of(std::optional<double> time, const std::string& camera
   return frame;
 }
 
-/// A tessera.Scene, its text form (str) or its binary form (bytes).
+/// A tessera.Scene, its text form (str) or its binary form (a buffer of bytes).
 SceneWithBlobs scene_of(const py::object& scene, const std::string& assets) {
-  if (py::isinstance<py::bytes>(scene) || py::isinstance<py::str>(scene)) {
-    const auto encoding =
-        py::isinstance<py::bytes>(scene) ? SceneEncoding::binary : SceneEncoding::text;
-    return run_abandonably(
-        [encoded = py::cast<std::string>(scene), encoding](const std::atomic<bool>&) {
-          return decode_scene(encoded, encoding, "scene");
-        });
+  if (py::isinstance<py::str>(scene)) {
+    return run_abandonably([encoded = py::cast<std::string>(scene)](const std::atomic<bool>&) {
+      return decode_scene(encoded, SceneEncoding::text, "scene");
+    });
+  }
+  if (PyObject_CheckBuffer(scene.ptr())) {
+    const ArraySource bytes = array_source(py::memoryview(scene), "scene");
+    if (!bytes.is_plain(kElementOf<uint8_t>))
+      fail_array("scene", fmt::format("an array of shape {}", shape_text(bytes.shape)), "bytes");
+    return run_abandonably([bytes](const std::atomic<bool>&) {
+      const std::string encoded(reinterpret_cast<const char*>(bytes.data),
+                                static_cast<size_t>(bytes.count()));
+      return decode_scene(encoded, SceneEncoding::binary, "scene");
+    });
   }
   return run_abandonably(
       [made = message_of(scene), options = options_of_python(assets)](const std::atomic<bool>&) {
@@ -351,8 +358,11 @@ void bind_tracer(py::module_& module) {
       }))
       .def("scene",
            [](const RayQueries& queries) {
-             return py::bytes(
-                 encode_scene(queries.description(), queries.blobs(), SceneEncoding::binary));
+             return array_of(run_abandonably([scene = queries.description(),
+                                              blobs = queries.blobs()](const std::atomic<bool>&) {
+               const std::string encoded = encode_scene(scene, blobs, SceneEncoding::binary);
+               return std::vector<uint8_t>(encoded.begin(), encoded.end());
+             }));
            })
       .def("camera_rays", camera_rays)
       .def("size",

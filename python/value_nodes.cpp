@@ -60,7 +60,10 @@ class NodeCounter {
 }  // namespace
 
 void ValueReader::check_node_count(py::handle value) {
-  node_count_ += NodeCounter().count_in(value, 0);
+  NodeCounter counter;
+  node_count_ += counter.count_in(value, 0);
+  constexpr size_t kMany = 1000;
+  if (node_count_ > kMany) free_unlocked(std::move(counter));
   if (node_count_ > kMaxNodeVisits) {
     fail(fmt::format("more than {} nodes", kMaxNodeVisits), "fewer");
   }

@@ -50,6 +50,9 @@ class ValueReader {
 
   /// Fills `message` from a value of its class.
   void read(pybind11::handle value, google::protobuf::Message& message);
+  /// What stands in a list of nodes: a node, or a shape with its own transform, a light or an
+  /// object.
+  void read_node(pybind11::handle held, v1::Node& node);
   /// Those that were read, each once.
   std::vector<NamedPart> take_named_parts() { return std::move(named_parts_); }
 
@@ -86,7 +89,6 @@ class ValueReader {
   void read_array(pybind11::handle held, const Field& field, v1::BlobRef& message);
   /// Refuses a scene, an object or a node with too many nodes in it, before they are read.
   void check_node_count(pybind11::handle value);
-  void read_node(pybind11::handle held, v1::Node& node);
   void add_shape_transform(pybind11::handle shape, v1::Node& node);
   void read_instances(pybind11::handle instances, const Field& field, Message& message);
   /// The texture that an array stands for. `of_normals`: of numbers, not of colours.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/value_reader.h"
 
@@ -29,6 +30,8 @@ struct Vec {
 
 Vec take(py::handle given) {
   if (py::isinstance<Vec>(given)) return given.cast<Vec>();
+  if (!PyTuple_CheckExact(given.ptr()) && !PyList_CheckExact(given.ptr()))
+    refuse_masked(given, "vector");
   // A tuple of its own: a list may change its length while a number of the user's is read.
   const auto items = py::reinterpret_steal<py::tuple>(
       py::isinstance<py::str>(given) ? nullptr : PySequence_Tuple(given.ptr()));

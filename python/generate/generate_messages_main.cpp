@@ -14,13 +14,14 @@ from __future__ import annotations
 from typing import (TYPE_CHECKING, Dict, Iterable, List, Literal, Mapping, NoReturn, Optional, Tuple,
                     Union)
 
-from ._shape_methods import ShapeMethods
-from ._types import (Accelerator, ArrayLike, ColorInputLike, ColorLike, FloatInputLike, Integrator,
-                     NodeLike, TextureLike, VectorLike)
-from ._value import Value, here, refuse_keywords, several
+from ._arguments import several
+from ._callers import here
+from ._types import Accelerator, ArrayLike, ColorLike, Integrator, VectorLike
+from ._value import Value, refuse_keywords
+from ._value_types import ColorInputLike, FloatInputLike, NodeLike, TextureLike
 
 if TYPE_CHECKING:
-    from . import _transforms, _view
+    from . import _placing, _transforms, _view
 
 )";
 
@@ -40,7 +41,8 @@ int main(int count, char** arguments) {
   const google::protobuf::FileDescriptor* file = pool.BuildFile(files.file(0));
   if (!file) return 1;
   for (int i = 0; i < file->message_type_count(); ++i) {
-    const std::string fault = tessera::unknown_field(*file->message_type(i));
+    std::string fault = tessera::unknown_field(*file->message_type(i));
+    if (fault.empty()) fault = tessera::untold_field(*file->message_type(i));
     if (fault.empty()) continue;
     std::fprintf(stderr, "%s\n", fault.c_str());
     return 1;

@@ -27,6 +27,7 @@ const std::map<std::string, std::string> kPlain = {{"Vec2", "VectorLike"},
 const std::map<std::string, std::string> kTaken = {{"ColorInput", "ColorInputLike"},
                                                    {"FloatInput", "FloatInputLike"},
                                                    {"Node", "NodeLike"},
+                                                   {"Shape", "_placing.Shape"},
                                                    {"Transform", "_transforms.Transform"},
                                                    {"Background", "_view.Background"},
                                                    {"Camera", "_view.Camera"},
@@ -90,6 +91,14 @@ std::string comment(const D& described) {
   return with_python_words(escaped, *described.file());
 }
 
+/// Whether a comment says what a field is where a scene does not: "default 1", or "0: no bound".
+bool tells_default(const std::string& words) {
+  for (const char* sign : {"default", "0:", "none:", "None:", "empty:", "left out:", "absent"}) {
+    if (words.find(sign) != words.npos) return true;
+  }
+  return false;
+}
+
 /// "SamplingFilter" for the enumeration Sampling.Filter.
 std::string enum_name(const pb::EnumDescriptor& type) {
   return type.containing_type() ? class_name(*type.containing_type()) + type.name() : type.name();
@@ -122,9 +131,25 @@ std::string element_type(const pb::FieldDescriptor& field) {
   }
 }
 
-/// The field's comment, and the values that it can have with theirs; the first is the default.
+/// What a field is where a scene does not say; empty: its comment tells.
+std::string default_of(const pb::FieldDescriptor& field) {
+  using Field = pb::FieldDescriptor;
+  if (tells_default(comment(field)) || field.enum_type()) return "";
+  const pb::Descriptor* message = field.message_type();
+  if (message && message->name() == "Vec3" && !field.is_repeated()) return "0 0 0";
+  if (message && message->name() == "Color" && !field.is_repeated()) return "black";
+  if (field.is_repeated() || message || field.cpp_type() == Field::CPPTYPE_STRING) return "none";
+  return field.cpp_type() == Field::CPPTYPE_BOOL ? "False" : "0";
+}
+
+/// The field's comment, what it is by default, and the values that it can have with theirs, of
+/// which the first is the default.
 std::string field_doc(const pb::FieldDescriptor& field) {
   std::string doc = comment(field);
+  if (const std::string otherwise = default_of(field); !otherwise.empty()) {
+    if (doc.ends_with('.')) doc.pop_back();
+    doc += fmt::format("; default {}", otherwise);
+  }
   const pb::EnumDescriptor* type = field.enum_type();
   for (int i = 0; type && i < type->value_count(); ++i) {
     std::string said = comment(*type->value(i));
@@ -208,7 +233,6 @@ void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes)
                    .own = {},
                    .common = fields_of(message, false)};
   if (message.name() == "Shape") {
-    base.base = "ShapeMethods, Value";
     base.common.push_back({.name = "transform",
                            .type = kTaken.at("Transform"),
                            .doc = "Comes behind the transform of the node that holds the shape."});
@@ -332,6 +356,27 @@ std::string quoted(const std::vector<PythonField>& fields) {
 bool is_union(const pb::Descriptor& message) {
   const pb::OneofDescriptor* kinds = kinds_of(message);
   return kinds && kinds->name() == "kind" && message.FindFieldByName("name") != nullptr;
+}
+
+std::string untold_field(const pb::Descriptor& message) {
+  if (kPlain.contains(short_name(message.full_name())) || message.options().map_entry()) return "";
+  for (int i = 0; i < message.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *message.field(i);
+    const pb::Descriptor* type = field.message_type();
+    if (field.name().starts_with("inline_") || (type && type->name() == "Blob")) continue;
+    if (is_union(message) && field.real_containing_oneof()) continue;  // its class tells
+    const bool may_be_missing = type ? type->name().ends_with("Input") : field.has_presence();
+    const bool has_default = !may_be_missing || field.real_containing_oneof() ||
+                             field.enum_type() || tells_default(comment(field));
+    if (comment(field).empty() && !field.enum_type())
+      return field.full_name() + ": no comment; expected what it is, with unit and range";
+    if (!has_default) return field.full_name() + ": no default in its comment; expected one";
+  }
+  for (int i = 0; i < message.nested_type_count(); ++i) {
+    const std::string inside = untold_field(*message.nested_type(i));
+    if (!inside.empty()) return inside;
+  }
+  return "";
 }
 
 std::string unknown_field(const pb::Descriptor& message) {

@@ -35,6 +35,10 @@ bool is_union(const google::protobuf::Descriptor& message);
 /// do not know, with what it is; empty: there is none.
 std::string unknown_field(const google::protobuf::Descriptor& message);
 
+/// The first field whose comment does not tell what `help` is to: what it is and, where it is not
+/// 0, False or empty, its default; with what is missing; empty: there is none.
+std::string untold_field(const google::protobuf::Descriptor& message);
+
 /// The classes of all messages of a file, bases before what derives from them.
 std::vector<PythonClass> python_classes(const google::protobuf::FileDescriptor& file);
 

@@ -10,25 +10,26 @@ _loading.check()  # Before anything else loads the extension module.
 from . import compat
 from ._messages import (Attenuation, AxisAngle, BackgroundCube, BackgroundGradient,
                         BackgroundPanorama, BackgroundRings, BackgroundSunAndSky, BeamLight,
-                        CheckerTexture, ColorInput, Conductor, Cone, Csg,
-                        Cylinder, Dielectric, DirectionalLight, Disc, FloatInput, Fog, Frames,
-                        GradientTexture, HalfPlane, Include, IntegratorSettings, Light, LookAt,
-                        Material, Matrix, Metadata, NoiseTexture, Object, Orthographic,
-                        Output, Panoramic, Perspective, Physical, PointLight, Polygon,
-                        Sampling, Settings, Shape, Sphere, SpotLight, Texture, Torus,
-                        TransformKey, TransformStep, Unlit)
+                        CheckerTexture, ColorInput, Conductor, Dielectric, DirectionalLight, FloatInput,
+                        Fog, Frames, GradientTexture, Include, IntegratorSettings, Light, LookAt,
+                        Material, Matrix, Metadata, NoiseTexture, Object, Orthographic, Output,
+                        Panoramic, Perspective, Physical, PointLight, Sampling, Settings, SpotLight,
+                        Texture, TransformKey, TransformStep, Unlit)
+from ._arguments import nearest as _nearest
 from ._colors import Color, color, hsl
 from ._core import Array, Vec, solve_quadratic, version as __version__
 from ._graph import Instances
 from ._load import load, load_dict
 from ._mesh import Mesh
 from ._nodes import Node
+from ._placing import Csg, Shape
 from ._program import program
-from ._shapes import Box, Plane, Rectangle, Triangle
+from ._shapes import (Box, Cone, Cylinder, Disc, HalfPlane, Plane, Polygon, Rectangle, Sphere, Torus,
+                      Triangle)
 from ._textures import ImageTexture
 from ._toolbox import LIGHT_1, LIGHT_2, Classic, reflect
 from ._transforms import Transform, keys, look_at, matrix, rotate, scale, translate
-from ._value import Value, nearest as _nearest
+from ._value import Value
 from ._view import Background, Camera, Lens
 from .errors import (Cancelled, Error, FarmError, MissingFile, PrecisionWarning, Refused, RenderError,
                      SceneError, SceneWarning, UsageError)

@@ -6,12 +6,10 @@ import math
 from typing import Any, NamedTuple
 
 from . import _core
+from ._arguments import nearest, number
 from ._core import Vec
-from ._options import number
 from ._types import ColorLike
-from ._value import nearest
 from .errors import SceneError
-
 
 class Color(NamedTuple):
     """A colour in linear RGB; 1 is full reflectance or unit radiance. Sums, differences and multiples
@@ -53,10 +51,11 @@ def _as_color(result: Any) -> Any:
 
 def color(given: ColorLike) -> Color:
     """The colour of a name ("red"), of "#c33" or "#cc3333" (sRGB, decoded), of three numbers, or grey
-    of one."""
+    of one, from 0 on. Raises SceneError for other text, ValueError for all else."""
     if isinstance(given, str):
         return _from_text(given)
     numbers: Any = given
+    _core.refuse_masked(numbers, "color")
     try:
         if hasattr(numbers, "__float__") and not hasattr(numbers, "__iter__"):
             return Color(*3 * (float(numbers),))

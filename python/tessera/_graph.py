@@ -4,11 +4,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, List, Optional, Sequence, TypeVar, Union
 
 from . import _core, _messages
-from ._messages import Object
+from ._arguments import several, with_article
 from ._array import as_ndarray
+from ._callers import here
+from ._messages import Object
 from ._nodes import Node
-from ._types import PartsLike, TransformsLike
-from ._value import Value, here, several, with_article
+from ._value import Value
+from ._value_types import PartsLike, TransformsLike
 from .errors import nesting_ends
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ class Instances(Value):
         object: The object, or its name.
         transforms: An array (n, 3, 4) of float64, parent from instance.
         names: The names of the nodes, if they have any.
+
+    Raises TypeError and ValueError for arrays of other types and shapes, and for another number of names.
     """
 
     __slots__ = ("object", "_transforms", "names")

@@ -76,17 +76,17 @@ class Located:
 
     @property
     def t(self) -> Doubles:
-        """Lengths of the direction, float64; infinite: no hit."""
+        """Lengths of the direction, float64 in the shape of the hits; infinite: no hit."""
         return self._field("t")
 
     @property
     def instance(self) -> Numbers:
-        """Numbers into `tracer.instances`, uint32; 0xFFFFFFFF: no hit."""
+        """Numbers into `tracer.instances`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._field("instance")
 
     @property
     def primitive(self) -> Numbers:
-        """Of a mesh the row of its triangles, uint32; 0xFFFFFFFF: no hit."""
+        """Of a mesh the row of its triangles, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._field("primitive")
 
     @property
@@ -123,11 +123,12 @@ class Located:
 
     @property
     def material(self) -> Numbers:
-        """Numbers into `tracer.materials`, uint32; 0xFFFFFFFF: no hit."""
+        """Numbers into `tracer.materials`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._attribute("material")
 
     def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
-        """The name of the instance that was hit at that index; None where none was."""
+        """The name of the instance that was hit at that index, a number for each axis; None where none was.
+        Raises IndexError beyond the shape of the hits."""
         number = int(self.instance[index])
         return None if number == _NONE else self._tracer.instances[number]
 
@@ -249,9 +250,14 @@ class AllHits(Located):
 
     @property
     def ray(self) -> Integers:
-        """The number of each hit's ray."""
+        """The number of each hit's ray, int64 (n,)."""
         from ._numpy import numpy as np
-        return frozen(np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets)))
+        count, at_once = len(self.offsets) - 1, 1 << 16  # numpy keeps the interpreter's lock meanwhile
+        rays = np.empty(len(self), np.int64)
+        for begin in range(0, count, at_once):
+            ends = self.offsets[begin:begin + at_once + 1]
+            rays[ends[0]:ends[-1]] = np.repeat(np.arange(begin, begin + len(ends) - 1), np.diff(ends))
+        return frozen(rays)
 
     def _per_hit(self) -> Tuple[Rows, Rows]:
         origins, directions = super()._per_hit()

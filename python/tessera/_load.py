@@ -9,15 +9,15 @@ import warnings
 from typing import Any, Dict, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _core
-from ._options import frame_number, option_texts
+from ._arguments import frame_number, refuse_unknown, with_article
+from ._callers import level_of_caller
+from ._options import option_texts
 from ._places import located_errors
 from ._types import Path, X3dColor, X3dShadows, X3dTexture
-from ._value import level_of_caller, refuse_unknown, with_article
 from .errors import (Error, SceneError, SceneWarning, UsageError, nesting_ends,
                      scene_error)
 from .rendering import checked_scene
 from .scene import Scene
-
 
 def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
          place: Union[str, Sequence[str]] = (), strict: bool = False, x3d_color: Optional[X3dColor] = None,
@@ -49,6 +49,7 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
     name = checked_scene(os.fspath(path), "path")
     assert isinstance(name, str)
     with located_errors(name):
+        scene: Scene
         scene, told = _core.load(name, option_texts(options), frame_number("frame", frame))
     for warning in told:
         warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
@@ -57,20 +58,36 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
 
 def load_dict(description: Mapping[str, Any]) -> Scene:
     """The scene of a dict in protobuf's JSON mapping, as `Scene.to_dict` makes it. Arrays may stand
-    where it has references to blobs.
+    where it has references to blobs. Raises SceneError for what is no scene, TypeError for what is no
+    dict.
     """
     if not isinstance(description, Mapping):
         raise TypeError(f"description: {description!r:.100}; expected a dict")
     arrays: Dict[str, Any] = {}
     with nesting_ends(description, "description"):
         try:
-            text = json.dumps(_without_arrays(description, arrays, ""))
+            # To encode a part Python calls what makes it, and so looks for Ctrl-C and other threads.
+            text = json.dumps(_without_arrays(description, arrays, ""), default=_Part.take)
         except ValueError as error:
             if isinstance(error, Error):
                 raise
             # Python prints no number of more than some thousand digits.
             raise UsageError("description: a whole number of too many digits; expected a smaller one") from error
-    return _core.from_json(text, arrays)
+    scene: Scene = _core.from_json(text, arrays)
+    return scene
+
+
+class _Part:
+    """A dict that is encoded when it is taken, once, and then forgotten."""
+
+    __slots__ = ("_held",)
+
+    def __init__(self, held: Dict[str, Any]) -> None:
+        self._held: Optional[Dict[str, Any]] = held
+
+    def take(self) -> Optional[Dict[str, Any]]:
+        held, self._held = self._held, None
+        return held
 
 
 def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:
@@ -79,8 +96,8 @@ def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "
         for key in part:
             if not isinstance(key, str):
                 raise _wrong(path, f"the key {key!r:.100}", "text")
-        return {key: _without_arrays(value, arrays, key, f"{path}.{key}" if path else key)
-                for key, value in part.items()}
+        return _Part({key: _without_arrays(value, arrays, key, f"{path}.{key}" if path else key)
+                      for key, value in part.items()})
     if isinstance(part, (list, tuple)):
         return [_without_arrays(value, arrays, field, f"{path}[{i}]") for i, value in enumerate(part)]
     name = re.sub("([A-Z])", r"_\1", field).lower()  # JSON has both "faceMaterials" and "face_materials"

@@ -5,13 +5,11 @@ import atexit
 import os
 import warnings
 import weakref
-from typing import NoReturn, Optional, SupportsIndex, TypeVar, Union
+from typing import NoReturn, Optional, TypeVar, Union
 
 from . import _core
-from ._options import fraction_text, whole
+from ._arguments import fraction_text, tells_unknown, whole_count
 from ._program import program
-from ._value import tells_unknown
-from .errors import UsageError
 
 F = TypeVar("F", bound="BaseFarm")
 
@@ -40,9 +38,13 @@ _open_farms: "weakref.WeakSet[BaseFarm]" = weakref.WeakSet()
 
 
 def _close_farms() -> None:
-    for farm in list(_open_farms):
-        if farm._process == os.getpid():
-            farm.close()
+    """At the end of the interpreter: closes all farms, and tells of those that a script has left open."""
+    left = [farm for farm in _open_farms if farm._process == os.getpid()]
+    for farm in left:
+        farm.close()
+    for farm in left:
+        if not farm._is_of_render:
+            farm._tell_open()
 
 
 atexit.register(_close_farms)
@@ -51,11 +53,12 @@ atexit.register(_close_farms)
 class BaseFarm(OfThisProcess):
     """Who traces. A context manager; may be used by several threads."""
 
-    __slots__ = ("_thread", "__weakref__")
+    __slots__ = ("_thread", "_is_of_render", "__weakref__")
 
     def __init__(self, thread: _core.FarmThread) -> None:
         super().__init__()
         self._thread: Optional[_core.FarmThread] = thread
+        self._is_of_render = False  # which started it and closes it
         _open_farms.add(self)
 
     def _submit(self, task: _core.Task) -> None:
@@ -86,9 +89,12 @@ class BaseFarm(OfThisProcess):
     def __del__(self) -> None:
         if getattr(self, "_thread", None) is not None and os.getpid() == self._process:
             try:
-                warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
+                self._tell_open()
             finally:  # where warnings are errors, too
                 self.close()
+
+    def _tell_open(self) -> None:
+        warnings.warn(f"{self!r} was not closed", ResourceWarning, source=self)
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(f"{type(self).__name__} cannot be pickled: it has threads and processes")
@@ -100,6 +106,8 @@ class LocalFarm(BaseFarm):
     :param workers: how many processes; one a core if left out.
     :param threads: of each worker.
     :param verify: the share of tiles, such as .01 or "1%", that a second worker traces too.
+
+    Raises UsageError for numbers out of their range: workers and threads are from 1 to 1024.
     """
 
     __slots__ = ("workers", "threads")
@@ -120,7 +128,7 @@ class LocalFarm(BaseFarm):
 class Threads(BaseFarm):
     """Threads of this process, kept between renders: for small pictures, which start at once.
 
-    :param n: how many; one a core if left out.
+    :param n: how many, from 1 to 1024; one a core if left out. Raises UsageError for others.
     """
 
     __slots__ = ("n",)
@@ -133,12 +141,3 @@ class Threads(BaseFarm):
 
     def __repr__(self) -> str:
         return f"Threads({self.n or ''})"
-
-
-def whole_count(name: str, value: SupportsIndex, least: int = 1) -> int:
-    """A number of processes or threads, which the keyword `name` has."""
-    most = _core.most_threads
-    count = whole(name, value)
-    if not least <= count <= most:
-        raise UsageError(f"{name}: {count}; expected a whole number from {least} to {most}")
-    return count

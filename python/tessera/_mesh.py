@@ -7,11 +7,12 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, Mapping, NoReturn, Op
                     overload)
 
 from . import _core, _messages
+from ._arguments import boolean, number, with_article
 from ._array import as_ndarray
-from ._options import boolean, number
+from ._callers import here, level_of_caller
+from ._placing import Shape
 from ._transforms import Transform
 from ._types import ArrayLike
-from ._value import here, level_of_caller, with_article
 from .errors import PrecisionWarning, UsageError
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def _triangles_of(cells: Mapping[str, Any]) -> Optional[ArrayLike]:
     return np.concatenate(parts) if parts else None
 
 
-class Mesh(_messages.Mesh):
+class Mesh(_messages.Mesh, Shape):
     """Triangles by index into shared vertices, counter-clockwise seen from the front.
 
     :param positions: of the vertices, (v, 3).
@@ -85,6 +86,10 @@ class Mesh(_messages.Mesh):
     :param recenter: puts the middle of the vertices into `transform`, in double precision.
     :param copy: None shares read-only arrays of the right type and copies others; False refuses to
         copy; True copies always.
+
+    Numbers of files' own arrays are `inline_positions`, `inline_triangles`, `inline_normals` and
+    `inline_uvs`. Raises TypeError and ValueError that tell the argument, for arrays of other types or
+    shapes, masked values, and indices of no vertex.
     """
 
     __slots__ = ("_is_told",)

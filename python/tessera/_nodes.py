@@ -2,10 +2,9 @@
 from __future__ import annotations
 
 from . import _messages
+from ._callers import here
 from ._placing import Placed, apart, behind
 from ._transforms import Transform
-from ._value import here
-
 
 class Node(Placed, _messages.Node):
     """A place in the scene graph, with a shape, a light, an instance or other nodes in it.

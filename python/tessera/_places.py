@@ -3,17 +3,13 @@ from __future__ import annotations
 
 import contextlib
 import re
-from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Tuple, Union
+from typing import Any, Iterator, List, Optional, Tuple, Union
 
 from . import _core
-from ._graph import Instances
+from ._callers import where
 from ._log import logged_at_end
-from ._messages import Light, Shape
-from ._value import where
+from ._messages import Light, Scene, Shape
 from .errors import SceneError
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 _SEGMENT = re.compile(r"(\w+)(?: '(.*?)'(?= > |$)| (\d+))?(?: > |$)")
 _BEGINNING = re.compile(r"((?:\w+(?: '.*?'| \d+)? > )*\w+(?: '.*?'| \d+)?): ", re.DOTALL)
@@ -39,8 +35,13 @@ def _step(value: Any, kind: str, name: Optional[str], number: Optional[str]) -> 
     return None if part is None else (part, kind)
 
 
+def _is_several(part: Any) -> bool:
+    """Whether the part is Instances, which stand for several nodes."""
+    return hasattr(part, "transforms")
+
+
 def _node_count(part: Any) -> int:
-    return len(part) if isinstance(part, Instances) else 1
+    return len(part) if _is_several(part) else 1
 
 
 def _is_meant(part: Any, name: Optional[str], number: Optional[int]) -> bool:
@@ -50,12 +51,12 @@ def _is_meant(part: Any, name: Optional[str], number: Optional[int]) -> bool:
         return 1 <= number <= _node_count(part)
     if name is None:
         return True
-    if isinstance(part, Instances):
+    if _is_several(part):
         return name in (part.names or ())
     return getattr(part, "name", None) == name
 
 
-def _named_part(scene: "Scene", kind: str, name: str) -> Optional[Tuple[Any, str]]:
+def _named_part(scene: Scene, kind: str, name: str) -> Optional[Tuple[Any, str]]:
     """The material, texture or object of that name, or that got it by its digest, and its path."""
     for of_kind, of_name, path, value in _core.named_parts(scene):
         if (of_kind, of_name) == (kind, name):
@@ -64,7 +65,7 @@ def _named_part(scene: "Scene", kind: str, name: str) -> Optional[Tuple[Any, str
 
 
 @contextlib.contextmanager
-def located_errors(scene: Union["Scene", str]) -> Iterator[None]:
+def located_errors(scene: Union[Scene, str]) -> Iterator[None]:
     """Errors of a scene that was made in Python tell where; those of a file do so themselves. Passes on
     what is logged meanwhile."""
     try:
@@ -74,7 +75,7 @@ def located_errors(scene: Union["Scene", str]) -> Iterator[None]:
         raise error if isinstance(scene, str) else _located(scene, error) from None
 
 
-def _located(scene: "Scene", error: SceneError) -> SceneError:
+def _located(scene: Scene, error: SceneError) -> SceneError:
     """The error with the script's line and the path of what it names; itself where those are not
     known. Errors of the renderer read "node 'hall' > node 3 > shape: sphere.radius is -1; ..."."""
     text = error.message[len("scene: "):] if error.message.startswith("scene: ") else error.message

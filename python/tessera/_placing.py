@@ -4,15 +4,17 @@ from __future__ import annotations
 from typing import (TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Literal, Optional, Set, Tuple,
                     TypeVar, Union)
 
-from ._core import Vec
+from . import _messages
+from ._core import Vec, transform_matrix
+from ._messages import Classic, CsgOperation, Material, Node, Object, Plane, Scene
+from ._places import located_errors
+from ._transforms import Transform, matrix, scale, translate
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
 from .errors import nesting_ends
+from .rays import Hits, Tracer, tracer_from_scene
 
 if TYPE_CHECKING:
-    from ._messages import Csg, CsgOperation, Plane
-    from ._transforms import Transform
     from ._types import Bools
-    from .rays import Hits, Tracer
 
 T = TypeVar("T", bound="Placed")
 
@@ -27,19 +29,17 @@ class Placed:
         transform: Optional[Transform]
 
     def shift(self: T, v: VectorLike) -> T:
-        """Moves it by the vector `v`, in metres."""
-        from ._transforms import translate
+        """Moves it by the vector `v`, in metres. Raises TypeError or ValueError for what is no vector of
+        three numbers."""
         return self._place_by(translate(v))
 
     def reflect(self: T, point: VectorLike) -> T:
-        """Mirrors it through a point: p goes to 2 point - p. Its front stays its front."""
-        from ._transforms import scale, translate
+        """Mirrors it through a point, a vector in metres: p goes to 2 point - p. Its front stays its front.
+        Raises TypeError or ValueError for what is no vector of three numbers."""
         return self._place_by(translate(Vec(point) * 2) @ scale(-1))
 
     def mirror(self: T, plane: Plane) -> T:
-        """Mirrors it in a Plane. Its front stays its front."""
-        from ._messages import Plane
-        from ._transforms import matrix
+        """Mirrors it in a Plane. Its front stays its front. Raises TypeError for another shape."""
         if not isinstance(plane, Plane):
             raise TypeError(f"plane: {plane!r:.100}; expected a Plane")
         normal, offset = _in_parent(plane)
@@ -50,7 +50,7 @@ class Placed:
     def copy(self: T, v: VectorLike = (0, 0, 0)) -> T:
         """Another one, moved by the vector `v`, in metres. Its parts are copies too: those of a node
         with children are below `instance_of` of the new one. Materials are shared, and what takes
-        memory is stored once for both."""
+        memory is stored once for both. Raises SceneError for parts that lie in themselves."""
         with nesting_ends(self):
             made = self._instance()
         return made.shift(v)
@@ -70,7 +70,8 @@ class Placed:
         """The closest hits of rays with this alone; t counts lengths of the direction.
 
         Each call builds what it needs anew: many rays are better given at once, as arrays
-        (..., 3). The options are those of `Tracer.intersect`.
+        (..., 3). The options are those of `Tracer.intersect`; on one thread where `threads` is left
+        out. Raises what that raises, and SceneError for what cannot be built.
         """
         return self.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
                                                 threads=threads, fields=fields)
@@ -78,20 +79,20 @@ class Placed:
     def contains(self, points: ArrayLike, *, method: Literal["parity", "winding"] = "parity",
                  closed: Literal["warn", "error"] = "warn", threads: Optional[int] = None) -> Bools:
         """Whether points, (..., 3) in metres, are inside it: bool (...). Each call builds what it needs
-        anew; see `Tracer.contains`."""
+        anew, on one thread where `threads` is left out; see `Tracer.contains`, whose errors it raises."""
         return self.tracer(threads=1).contains(points, method=method, closed=closed, threads=threads)
 
     def tracer(self, *, accel: Accelerator = "bvh", threads: Optional[int] = None) -> Tracer:
         """What answers any number of ray queries about this alone, where its own transform puts it. The
-        options are those of `Scene.tracer`."""
-        from . import _messages
-        from .scene import Scene
+        options are those of `Scene.tracer`. Raises SceneError, with the script's line, for what cannot
+        be built."""
         materials = [material for shape in _shapes(self) for material in shape.materials]
         own = {getattr(material, "name", None) for material in materials}
         names = {material for material in materials if isinstance(material, str)} - own
         alone: Any = self
-        scene = Scene(nodes=[alone], materials=[_messages.Classic(name=name) for name in sorted(names)])
-        return scene.tracer(accel=accel, threads=threads)
+        scene = Scene(nodes=[alone], materials=[Classic(name=name) for name in sorted(names)])
+        with located_errors(scene):
+            return tracer_from_scene(scene, accel=accel, threads=threads)
 
     def __or__(self, other: Placed) -> Csg:
         return _combined("union", self, other)
@@ -112,12 +113,30 @@ class Placed:
         return self
 
 
+class Shape(Placed, _messages.Shape):
+    """What rays hit."""
+
+    __slots__ = ()
+
+    @property
+    def material(self) -> Optional[Union[str, Material]]:
+        """The first material, or its name."""
+        return self.materials[0] if self.materials else None
+
+    @material.setter
+    def material(self, material: Optional[Union[str, Material]]) -> None:
+        self.materials = [] if material is None else [material]
+
+
+class Csg(_messages.Csg, Shape):
+    __slots__ = ()
+
+
 def behind(outer: Transform, inner: Optional[Transform]) -> Transform:
     return outer if inner is None else outer @ inner
 
 
 def _combined(operation: CsgOperation, a: Placed, b: Placed) -> Csg:
-    from ._messages import Csg
     if not isinstance(b, Placed):
         return NotImplemented
     operands: List[Any] = [a, b]
@@ -129,7 +148,6 @@ def _in_parent(plane: Plane) -> Tuple[Vec, float]:
     normal = Vec((0, 1, 0) if plane.normal is None else plane.normal).normalized()
     offset = plane.offset or 0.0
     if plane.transform is not None:
-        from ._core import transform_matrix
         array = transform_matrix(plane.transform)
         numbers = memoryview(array).cast("B").cast("d").tolist()  # type: ignore[arg-type]
         x, y, z = (Vec(numbers[i:i + 3]) for i in (0, 4, 8))
@@ -188,7 +206,6 @@ def apart(thing: Any, copies: Optional[Dict[int, Any]] = None) -> Any:
 
 def _shapes(thing: Any) -> Iterator[Any]:
     """All shapes in it, each once."""
-    from ._messages import Shape
     seen, pending = set(), [thing]
     while pending:
         part = pending.pop()
@@ -203,8 +220,6 @@ def _shapes(thing: Any) -> Iterator[Any]:
 def _turned(thing: Any, copies: Dict[int, Any]) -> Dict[str, Any]:
     """The fields that are others once its normals are turned. What other things share is copied,
     once; `copies` are as in `apart`."""
-    from ._messages import Node, Object, Shape
-    from ._graph import Instances
     if isinstance(thing, Shape):
         return {"flip_normals": not thing.flip_normals}
     if isinstance(thing, Node):
@@ -212,7 +227,7 @@ def _turned(thing: Any, copies: Dict[int, Any]) -> Dict[str, Any]:
     elif isinstance(thing, Object):
         fields = {"nodes": thing.nodes, "name": None}
     else:
-        fields = {"object": thing.object} if isinstance(thing, Instances) else {}
+        fields = {"object": thing.object} if hasattr(thing, "transforms") else {}  # of Instances
     return {name: [_flipped(part, copies) for part in held] if isinstance(held, list)
             else _flipped(held, copies) for name, held in fields.items()}
 

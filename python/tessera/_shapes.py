@@ -4,16 +4,44 @@ from __future__ import annotations
 from typing import Any, Dict, Iterable, NoReturn, Optional, Sequence, Union
 
 from . import _messages
+from ._callers import here
 from ._core import Vec
 from ._mesh import Mesh
 from ._messages import Material
+from ._placing import Shape
 from ._transforms import Transform, matrix
 from ._types import VectorLike
-from ._value import here
 from .errors import SceneError
 
+class Sphere(_messages.Sphere, Shape):
+    __slots__ = ()
 
-class Plane(_messages.Plane):
+
+class HalfPlane(_messages.HalfPlane, Shape):
+    __slots__ = ()
+
+
+class Disc(_messages.Disc, Shape):
+    __slots__ = ()
+
+
+class Polygon(_messages.Polygon, Shape):
+    __slots__ = ()
+
+
+class Cylinder(_messages.Cylinder, Shape):
+    __slots__ = ()
+
+
+class Cone(_messages.Cone, Shape):
+    __slots__ = ()
+
+
+class Torus(_messages.Torus, Shape):
+    __slots__ = ()
+
+
+class Plane(_messages.Plane, Shape):
     """An endless plane: the points p with normal . p = offset, the normal being of length 1."""
 
     __slots__ = ()
@@ -23,7 +51,8 @@ class Plane(_messages.Plane):
                 materials: Optional[Iterable[Union[str, Material]]] = None,
                 flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
                 material: Optional[Union[str, Material]] = None, **unknown: NoReturn) -> Plane:
-        """The plane through three points; its normal is (b - a) x (c - a)."""
+        """The plane through three points, in metres; its normal is (b - a) x (c - a). Raises SceneError for
+        points on one line."""
         fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                       flip_normals=flip_normals, transform=transform)
         corner = Vec(a)
@@ -36,7 +65,7 @@ class Plane(_messages.Plane):
         return made
 
 
-class Rectangle(_messages.Rectangle):
+class Rectangle(_messages.Rectangle, Shape):
     """A parallelogram: corner + u edge_u + v edge_v, u and v in [0, 1].
 
     Lengths are metres.
@@ -50,9 +79,11 @@ class Rectangle(_messages.Rectangle):
                      materials: Optional[Iterable[Union[str, Material]]] = None,
                      flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
                      material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
-                     ) -> Union[Rectangle, _messages.Polygon]:
+                     ) -> Union[Rectangle, Polygon]:
         """The flat convex shape with four corners, which go round counter-clockwise seen from its
-        front: a Rectangle if they make a parallelogram, or else a Polygon.
+        front: a Rectangle if they make a parallelogram, or else a Polygon. Each is a vector in metres.
+
+        Raises SceneError for corners that do not lie in one plane, or enclose no area.
         """
         fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                       flip_normals=flip_normals, transform=transform)
@@ -60,14 +91,14 @@ class Rectangle(_messages.Rectangle):
         _check_flat(corners)
         a, b, c, d = corners
         if (a + c - b - d).length <= _ROUNDING * max(p.length for p in corners):
-            made: Union[Rectangle, _messages.Polygon] = cls(a, b - a, d - a, **fields)
+            made: Union[Rectangle, Polygon] = cls(a, b - a, d - a, **fields)
         else:
-            made = _messages.Polygon(corners, **fields)
+            made = Polygon(corners, **fields)
         made._place = here()
         return made
 
 
-class Box(_messages.Box):
+class Box(_messages.Box, Shape):
     """All points between the corners `min` and `max`.
 
     Lengths are metres.
@@ -83,7 +114,9 @@ class Box(_messages.Box):
                      ) -> Union[Box, Mesh]:
         """The solid with eight corners: four that go round one face, and opposite to each, in the
         same order, those of the other face. A Box if they make a parallelepiped, or else a closed
-        Mesh in which each face is two triangles.
+        Mesh in which each face is two triangles. `corners` are (8, 3), in metres.
+
+        Raises SceneError for another number of corners, or for a body of no volume.
         """
         fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                       flip_normals=flip_normals, transform=transform)
@@ -118,13 +151,14 @@ def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, *, name: Optional[str]
              materials: Optional[Iterable[Union[str, Material]]] = None,
              flip_normals: Optional[bool] = None, transform: Optional[Transform] = None,
              material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
-             ) -> _messages.Polygon:
+             ) -> Polygon:
     """The triangle with these corners, in metres, which go round counter-clockwise seen from its
-    front. Its edges belong to it. Many triangles are better one `Mesh`.
+    front. Its edges belong to it. Many triangles are better one `Mesh`. Raises TypeError or ValueError
+    for what is no vector of three numbers.
     """
     fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
                                   flip_normals=flip_normals, transform=transform)
-    made = _messages.Polygon([Vec(a), Vec(b), Vec(c)], **fields)
+    made = Polygon([Vec(a), Vec(b), Vec(c)], **fields)
     made._place = here()
     return made
 

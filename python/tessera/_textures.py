@@ -6,13 +6,12 @@ import warnings
 from typing import NoReturn, Optional, Union
 
 from . import _core, _messages
-from .errors import MissingFile, SceneWarning
+from ._arguments import plain_text
+from ._callers import here, level_of_caller
 from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
-from ._options import plain_text
 from ._transforms import Transform
 from ._types import ArrayLike, Path
-from ._value import here, level_of_caller
-
+from .errors import MissingFile, SceneWarning
 
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
@@ -21,6 +20,9 @@ class ImageTexture(_messages.ImageTexture):
     `wrap` is both `wrap_s` and `wrap_t`. Where `encoding` is left out, integers of any depth are
     codes in sRGB and floats are linear light. `associated_alpha`: the colours of a given array are
     multiplied by alpha; a file tells itself.
+
+    Raises MissingFile where there is no file, SceneError where it holds no picture, TypeError and
+    ValueError for arrays of other types and shapes.
     """
 
     __slots__ = ()

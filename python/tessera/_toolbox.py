@@ -4,12 +4,14 @@ from __future__ import annotations
 from typing import NoReturn, Optional, Union
 
 from . import _messages
+from ._arguments import refuse_unknown
+from ._callers import here
 from ._colors import color
 from ._core import Vec
 from ._messages import (ClassicDiffuseModel, ClassicTransmission, Material, MaterialAlpha,
                         MaterialSides, Texture)
-from ._types import ColorInputLike, ColorLike, FloatInputLike, VectorLike
-from ._value import here, refuse_unknown
+from ._types import ColorLike, VectorLike
+from ._value_types import ColorInputLike, FloatInputLike
 
 #: Film responses (a, b, c) for `Scene(response=...)`: of light x in [0, 1] the picture shows
 #: a x^2 + b x + c. The first brightens dark parts, the second hardly changes anything.
@@ -18,8 +20,8 @@ LIGHT_2 = (0.476, 0.5239, 0.0)
 
 
 def reflect(v: VectorLike, n: VectorLike) -> Vec:
-    """The direction `v` mirrored in a surface with the normal `n`, which may have any length but 0.
-    The result is as long as `v`.
+    """The vector `v`, a direction, mirrored in a surface with the normal `n`, which may have any length but 0.
+    The result is as long as `v`. Raises ValueError for a normal of length 0.
     """
     normal = Vec(n).normalized()
     direction = Vec(v)
@@ -58,6 +60,9 @@ class Classic(_messages.Classic):
         :param diffuse: a share from 0 to 1; left out it is 1, or 0 for a mirror.
         :param roughness: takes up to .3 times this off the brightness, by lot at each point.
         :param mirror: adds all that is seen in an ideal mirror.
+
+        Raises ValueError for a colour that is none; a render raises SceneError for numbers out of
+        their range.
         """
         if unknown:
             refuse_unknown("toolbox", unknown, [*cls.toolbox.__func__.__kwdefaults__])  # type: ignore[attr-defined]

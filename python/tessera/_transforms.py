@@ -4,10 +4,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Iterable, List, Literal, Optional, Tuple, Union, overload
 
 from . import _core, _messages
+from ._arguments import several
 from ._array import as_ndarray, plain_array
 from ._messages import AxisAngle, LookAt, Matrix, TransformKey, TransformStep
 from ._types import ArrayLike, VectorLike
-from ._value import several
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -67,12 +67,13 @@ def translate(x: VectorLike, y: None = None, z: None = None) -> Transform: ...
 @overload
 def translate(x: float, y: float, z: float) -> Transform: ...
 def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
-    """Moves by (x, y, z), in metres."""
+    """Moves by (x, y, z), or by a vector, in metres. Raises TypeError for two numbers."""
     return Transform([TransformStep(translate=x if _is_one("translate", y, z) else (x, y, z))])
 
 
 def rotate(axis: Union[Literal["x", "y", "z"], VectorLike], degrees: float) -> Transform:
-    """Turns about an axis through the origin ("x", "y", "z" or a vector), by the right-hand rule."""
+    """Turns by so many `degrees` about an axis through the origin ("x", "y", "z" or a vector), by the
+    right-hand rule. Raises ValueError for other text."""
     axes = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
     if isinstance(axis, str) and axis not in axes:
         raise ValueError(f"axis: '{axis}'; expected 'x', 'y', 'z' or a vector")
@@ -85,7 +86,7 @@ def scale(x: Union[float, VectorLike], y: None = None, z: None = None) -> Transf
 @overload
 def scale(x: float, y: float, z: float) -> Transform: ...
 def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
-    """Scales by one factor, or by one for each axis."""
+    """Scales by one factor, a number without unit, or by one for each axis. Raises TypeError for two numbers."""
     if _is_one("scale", y, z):
         is_number = getattr(x, "ndim", None) == 0 or not hasattr(x, "__len__")
         factors = (x, x, x) if is_number else x
@@ -95,7 +96,8 @@ def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
 
 
 def matrix(rows: ArrayLike) -> Transform:
-    """The transform of a (3, 4) or (4, 4) matrix that acts on columns; a fourth row is 0 0 0 1."""
+    """The transform of a (3, 4) or (4, 4) matrix that acts on columns; a fourth row is 0 0 0 1. Raises
+    ValueError for others."""
     try:
         array = _core.take_matrices(rows, "matrix")
     except ValueError as error:
@@ -107,12 +109,15 @@ def matrix(rows: ArrayLike) -> Transform:
 
 
 def look_at(eye: VectorLike, target: VectorLike, up: Optional[VectorLike] = None) -> Transform:
-    """Places a frame at `eye` whose -z axis points at `target`."""
+    """Places a frame at the point `eye` whose -z axis points at the point `target`, both in metres, and whose
+    y axis is as near to the direction `up` as can be. What uses it raises SceneError where there is no
+    such frame."""
     return Transform([TransformStep(look_at=LookAt(eye, target, up))])
 
 
 def keys(pairs: Iterable[Tuple[float, Transform]]) -> List[TransformKey]:
-    """The keys of a motion, from pairs of time, in seconds, and transform."""
+    """The keys of a motion, from pairs of time, in seconds, and transform. Raises ValueError for what is no
+    pair."""
     made = []
     for pair in several(pairs, "pairs"):
         both: List[Any] = several(pair, "pairs")

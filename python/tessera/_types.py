@@ -1,7 +1,7 @@
 """The types of what is taken and given, for annotations."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Iterable, Literal, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Literal, Sequence, Tuple, Union
 
 if TYPE_CHECKING:
     import os
@@ -11,11 +11,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._core import Array, Vec
-    from ._graph import Instances
-    from ._messages import ColorInput, FloatInput, Light, Object, Shape, Texture
-    from ._nodes import Node
-    from ._transforms import Transform
-    from .scene import Scene
 
     class HasArray(Protocol):
         """What converts itself, such as a tensor."""
@@ -37,13 +32,6 @@ VectorLike = Union["Vec", Sequence[float], "npt.NDArray[Any]"]
 ArrayLike = Union["Array", "npt.NDArray[Any]", "HasArray", memoryview,
                   Sequence[Union[float, VectorLike, Sequence[VectorLike]]]]
 ColorLike = Union[str, float, VectorLike]
-TextureLike = Union[str, "Texture", "Array", "npt.NDArray[Any]"]
-ColorInputLike = Union["ColorInput", "Texture", ColorLike, "Array", "npt.NDArray[Any]"]
-FloatInputLike = Union[float, "FloatInput", "Texture", "Array", "npt.NDArray[Any]"]
-NodeLike = Union["Node", "Shape", "Light", "Object", "Instances"]
-PartLike = Union[NodeLike, "Scene"]
-PartsLike = Union[PartLike, Iterable[Union[PartLike, Iterable[PartLike]]]]
-TransformsLike = Union[ArrayLike, Sequence["Transform"]]
 
 Size = Union[str, Tuple[int, int]]
 Crop = Union[str, Tuple[int, int, int, int]]

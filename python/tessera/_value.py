@@ -3,22 +3,19 @@ from __future__ import annotations
 
 import functools
 import re
-import sys
 import threading
-from types import CodeType
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type, TypeVar, Union
+from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Tuple, Type, TypeVar
 
 from . import _core
+from ._arguments import nearest, refuse_unknown
+from ._callers import Place, where
 from .errors import NestingError, SceneError
 
 V = TypeVar("V", bound="Value")
-T = TypeVar("T")
-F = TypeVar("F", bound=Callable[..., Any])
-Place = Tuple[Union[CodeType, str], int]
-
 # The class that users see, by message and kind.
 CLASSES: Dict[Tuple[str, str], Type[Value]] = {}
 
+_GENERATED = f"{__package__}._messages"
 _MOST_SHOWN = 1000  # characters of a text that evaluates back
 _MOST_OF_FIELD = 100  # those of each field where the text would be longer
 _being_shown = threading.local()  # while a text is made: `left`, how many more characters it may have
@@ -41,9 +38,9 @@ class Value(_core.ValueBase):
         if not (cls._MESSAGE and cls.__module__.startswith(__package__ + ".")):
             return
         generated = CLASSES.setdefault((cls._MESSAGE, cls._KIND), cls)
-        if generated is not cls and cls.__doc__:
-            _, heading, fields = (generated.__doc__ or "").partition("    Attributes:\n")
-            cls.__doc__ = f"{cls.__doc__.rstrip()}\n\n{heading}{fields}"
+        if generated is not cls:
+            words, heading, fields = (generated.__doc__ or "").partition("    Attributes:\n")
+            cls.__doc__ = f"{(cls.__doc__ or words).rstrip()}\n\n{heading}{fields}"
         CLASSES[cls._MESSAGE, cls._KIND] = cls
 
     def __eq__(self, other: object) -> bool:
@@ -120,6 +117,9 @@ def _copied(value: Any) -> Any:
 
 
 def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) -> V:
+    """A value that was pickled. A class of `_messages` stands for the one that users see."""
+    if made.__module__ == _GENERATED:
+        made = CLASSES[made._MESSAGE, made._KIND]  # type: ignore[assignment]
     value = made.__new__(made)
     for name, slot in _slots_of(made).items():
         slot.__set__(value, slots.get(name))
@@ -188,36 +188,10 @@ def _array_text(value: Any) -> str:
 
 
 def restore_array(data: Any, code: str, shape: Tuple[int, ...]) -> _core.Array:
-    """The array that was pickled."""
+    """The array that was pickled, of its bytes or of a list of arrays of some of them each."""
+    if isinstance(data, list):
+        return _core.Array._from_parts(data, code, list(shape))
     return _core.Array.from_bytes(data, code, list(shape))
-
-
-def here() -> Optional[Place]:
-    """Where in the user's script a value is being made."""
-    frame: Any = sys._getframe(2)
-    while frame is not None and frame.f_globals.get("__package__") == __package__:
-        frame = frame.f_back
-    return None if frame is None else (frame.f_code, frame.f_lasti)
-
-
-def level_of_caller() -> int:
-    """For `warnings.warn` of the function that asks: how far up the stack the user's script is."""
-    frame: Any = sys._getframe(1)
-    level = 1
-    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
-        frame = frame.f_back
-        level += 1
-    return level
-
-
-def where(value: Any) -> Optional[Tuple[str, int]]:
-    """The file and line that made a value."""
-    place = getattr(value, "_place", None)
-    if place is None or isinstance(place[0], str):
-        return place
-    code, at = place
-    lines = (line for begin, end, line in code.co_lines() if begin <= at < end and line)
-    return code.co_filename, next(lines, code.co_firstlineno)
 
 
 def refuse_name(value: Value, name: str) -> NoReturn:
@@ -247,55 +221,3 @@ def refuse_keywords(value: Value, unknown: Mapping[str, Any]) -> NoReturn:
         raise TypeError(f"{made.__name__}() has no keyword '{name}'; did you mean "
                         f"{made.__name__}.{makers[0]}({name}=...)?")
     refuse_unknown(made.__name__, unknown, known)
-
-
-def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
-    """Says that a function has no such keyword, and which is nearest, or else which it has."""
-    name = next(iter(unknown))
-    hint = nearest(name, known) or f"; expected one of {', '.join(each for each in known if each != 'unknown')}"
-    raise TypeError(f"{function}() has no keyword '{name}'{hint}")
-
-
-def tells_unknown(function: F) -> F:
-    """Has a function tell which keyword is nearest to one that it lacks."""
-    code = function.__code__
-    known = [name for name in code.co_varnames[:code.co_argcount + code.co_kwonlyargcount] if name != "self"]
-    called = function.__qualname__.replace(".__init__", "").rpartition(".")[2]
-
-    @functools.wraps(function)
-    def call(*args: Any, **named: Any) -> Any:
-        for name in named:
-            if name not in known:
-                refuse_unknown(called, {name: None}, known)
-        return function(*args, **named)
-
-    return call  # type: ignore[return-value]
-
-
-def with_article(value: object) -> str:
-    """What a value is, for messages: "an int"."""
-    name = type(value).__name__
-    return f"{'an' if name[:1] in 'AEIOaeio' else 'a'} {name}"
-
-
-def several(items: Iterable[T], name: str, expected: str = "a sequence") -> List[T]:
-    """A list of what was given as `name`."""
-    if not (hasattr(items, "__iter__") or hasattr(items, "__getitem__")):
-        raise TypeError(f"{name}: {items!r:.100}; expected {expected}")
-    try:
-        return list(items)
-    except NotImplementedError:
-        view: object = items
-        if not isinstance(view, memoryview):
-            raise
-    raise TypeError(f"{name}: a memoryview of shape {view.shape}; expected {expected}")
-
-
-def nearest(name: str, known: List[str]) -> str:
-    """"; did you mean 'x'?" for the name that is most like one; or nothing."""
-    near = _core.nearest_name(name.encode(errors="replace").decode(), known)
-    word = name.rpartition("_")[2]
-    begun = [each for each in known if name.startswith(each + "_")]
-    if begun and near and not _core.nearest_name(word, [near.rpartition("_")[2]]):
-        near = max(begun, key=len)  # 'diffuse' for 'diffuse_color', and not 'diffuse_model'
-    return f"; did you mean '{near}'?" if near else ""

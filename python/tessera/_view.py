@@ -7,14 +7,14 @@ from typing import (TYPE_CHECKING, Any, Callable, Generic, Iterable, NoReturn, O
                     TypeVar, overload)
 
 from . import _messages
+from ._arguments import number, whole
+from ._callers import here
 from ._core import Vec
 from ._messages import (BackgroundCube, BackgroundGradient, BackgroundPanorama, BackgroundRings,
                         BackgroundSunAndSky, LensFocalSurface, LensRadiusUnit, LensShape, Light,
                         Orthographic, Panoramic, Perspective, PerspectiveAxis, TransformKey)
-from ._options import number, whole
 from ._transforms import Transform, look_at, matrix
 from ._types import ColorLike, VectorLike
-from ._value import here
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -99,7 +99,8 @@ class Camera(_messages.Camera):
                far_distance: Optional[float] = None, frame_all: Optional[bool] = None,
                **unknown: NoReturn) -> Camera:
         """A camera at `eye` that looks at `centre` through a screen half-way between them, `width`
-        metres wide and as high as the picture's shape makes it; up is (0, 0, 1).
+        metres wide and as high as the picture's shape makes it; up is (0, 0, 1). `eye` and `centre` are
+        points in metres. Raises TypeError or ValueError for what is no vector of three numbers.
         """
         distance = (Vec(centre) - Vec(eye)).length
         angle = 2 * math.degrees(math.atan2(width, distance))
@@ -121,7 +122,10 @@ class Camera(_messages.Camera):
                 headlight: Optional[Light] = None, near_distance: Optional[float] = None,
                 far_distance: Optional[float] = None, frame_all: Optional[bool] = None,
                 **unknown: NoReturn) -> Camera:
-        """A camera at `eye` that looks at `target`; `fov` in degrees spans the picture's `axis`."""
+        """A camera at the point `eye` that looks at the point `target`, both in metres, with the direction
+        `up` upwards in the picture; `fov` in degrees, above 0 and below 180, spans the picture's `axis`.
+
+        A render raises SceneError for values out of their range, and for a target at the eye."""
         if perspective is None and (fov is not None or axis is not None):
             perspective = Perspective(fov, axis)
         camera = cls(name=name, description=description, world_from_camera=look_at(eye, target, up),
@@ -136,7 +140,8 @@ class Camera(_messages.Camera):
 class Lens(_messages.Lens):
     """A lens, whose radius blurs what is not in focus.
 
-    Two keywords are short: `radius` for both radii, `focus` for the focal distance.
+    Two keywords are short: `radius` for both radii, `focus` for the focal distance. A render raises
+    SceneError for numbers out of their range.
     """
 
     __slots__ = ()

@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Tuple, Union, overload
 
+from ._arguments import tells_unknown
 from ._types import ArrayLike
-from ._value import tells_unknown
-from .rays import tracer_from_mesh
+from ._mesh import Mesh
 
 if TYPE_CHECKING:
     from ._types import Bools, Doubles, Integers
@@ -17,11 +17,12 @@ class MeshIntersector:
     """Has the methods of `trimesh.Trimesh.ray`, with the same arguments, returns and dtypes: numbers
     of rays and triangles are int64, locations float64. Hits come by ray, then by distance. A ray
     through a shared edge or vertex hits each triangle there; a closed mesh contains what
-    `Tracer.contains` says."""
+    `Tracer.contains` says. Points and directions are (n, 3), in the unit of the mesh. Raises UsageError
+    for arrays of other shapes, ValueError for a wrong mesh."""
 
     @tells_unknown
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
-        self._tracer = tracer_from_mesh(vertices, faces)
+        self._tracer = Mesh(vertices, faces).tracer()
 
     @overload
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,

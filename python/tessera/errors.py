@@ -10,6 +10,9 @@ import errno
 import re
 from typing import TYPE_CHECKING, Any, Iterator, Optional, Tuple
 
+from . import _core
+from ._callers import where
+
 if TYPE_CHECKING:
     from .picture import Image
 
@@ -111,7 +114,6 @@ class PrecisionWarning(UserWarning):
 def scene_error(found: str, expected: str, path: str, value: object,
                 kind: type[SceneError] = SceneError) -> SceneError:
     """The error of a value that is no part of a scene: where it was made and the way to it."""
-    from ._value import where
     made = where(value)
     place = f"{made[0]}:{made[1]}" if made else ""
     beginning = "".join(f"{part}: " for part in (place, path) if part)
@@ -126,7 +128,6 @@ def nesting_ends(value: object, path: str = "") -> Iterator[None]:
     try:
         yield
     except RecursionError:
-        from . import _core
         raise scene_error(*_core.nested_too_deep, path, value, NestingError) from None
 
 

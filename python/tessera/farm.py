@@ -4,23 +4,21 @@ from __future__ import annotations
 import json
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._arguments import boolean, named_text, number, refuse_unknown, seconds, tells_unknown, whole
+from ._callers import level_of_caller
 from ._html import table
+from ._local_farms import BaseFarm
+from ._messages import Scene
+from ._options import core_options
+from ._places import located_errors
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap,
+                     Transfer, X3dColor, X3dShadows, X3dTexture)
 from .errors import Error, SceneWarning, UsageError
 from .picture import Image
-from ._local_farms import BaseFarm
-from ._options import boolean, number, named_text, seconds, whole
-from ._places import located_errors
-from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap, Transfer,
-                     X3dColor, X3dShadows, X3dTexture)
-from ._value import level_of_caller, refuse_unknown, tells_unknown
-from .rendering import checked_scene, core_options, with_picture
-
-if TYPE_CHECKING:
-    from .scene import Scene
-
+from .rendering import checked_scene, with_picture
 
 _LONGEST_TIMEOUT = 10**9
 _Connection = Tuple[str, str, str, float]  # endpoint, key, server key and timeout
@@ -160,7 +158,8 @@ class Job:
         return status
 
     def watch(self, interval: float = .5) -> Iterator[dict[str, Any]]:
-        """Yields its status every `interval` seconds, and at its end."""
+        """Yields its status every `interval` seconds, at least 0, and at its end. Raises UsageError for other
+        intervals, FarmError where the farm is gone."""
         if not 0 <= seconds("interval", interval) <= _LONGEST_TIMEOUT:
             raise UsageError(f"interval: {interval}; expected seconds, at most {_LONGEST_TIMEOUT}")
         return self._statuses(interval)
@@ -189,7 +188,7 @@ class Job:
         return self.farm._ask().frames(self.number)
 
     def fetch(self, frame: Optional[int] = None, *, denoise: bool = False) -> Image:
-        """The picture of a frame, of the first if left out.
+        """The picture of a frame by its number, of the first if left out.
 
         :param denoise: as render does; of jobs with aovs albedo, normal, depth and variance.
 
@@ -209,7 +208,7 @@ class Job:
 
     def snapshot(self, frame: Optional[int] = None) -> Optional[Image]:
         """What is done of a frame, of the first if left out, whatever became of it; the rest is black.
-        None where nothing is."""
+        None where nothing is. Raises UsageError for the number of no frame of the job."""
         at = self._place_of(frame)
         access = self.farm._ask()
         fetched = access.fetch(self.number, at, False)
@@ -233,7 +232,8 @@ class Job:
         self._order(_core.Order.pause)
 
     def resume(self, priority: Optional[int] = None) -> None:
-        """It goes on, with another priority if one is given."""
+        """It goes on, with another priority if one is given, a whole number of the range that `Farm.submit`
+        takes. Raises UsageError for others."""
         self._order(_core.Order.resume, None if priority is None else checked_priority(priority))
 
     def cancel(self) -> None:

@@ -9,10 +9,11 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
+from ._arguments import boolean, file_name, named_text, refuse_unknown
 from ._array import as_ndarray, plain_array
-from ._options import boolean, file_name, named_text, option_texts
+from ._callers import level_of_caller
+from ._options import option_texts
 from ._types import Aov, ArrayLike, FloatAov, Path, ToneMap, Transfer
-from ._value import level_of_caller, refuse_unknown
 from .errors import MissingFile, SceneWarning, UsageError
 
 if TYPE_CHECKING:
@@ -100,6 +101,8 @@ class Image:
 
         :param linear: whether they are linear light, or codes in sRGB as most files hold. Left out:
             floats are light; uint8 and uint16, from 0 to their largest value, are codes.
+
+        Raises UsageError for another shape or masked values, TypeError for other types.
         """
         values: npt.NDArray[Any] = plain_array("array", array)
         light = _light_of(values, None if linear is None else boolean("linear", linear))
@@ -128,10 +131,11 @@ class Image:
 
     @functools.cached_property
     def linear(self) -> Floats:
-        """Radiance as (h, w, 3) float32, read-only: the film's own memory, or a copy where it has AOVs
-        too."""
-        view: Floats = as_ndarray(self._picture.light)
-        return view
+        """Radiance as (h, w, 3) float32, read-only: a view of the film's own memory, in which the AOVs of a
+        pixel follow its light."""
+        values: Any = as_ndarray(self._picture.values)
+        light: Floats = values[..., :3] if hasattr(values, "strides") else self._picture.light()
+        return light
 
     @property
     def aovs(self) -> List[Aov]:
@@ -143,18 +147,24 @@ class Image:
     @overload
     def aov(self, name: FloatAov) -> Floats: ...
     def aov(self, name: Aov) -> Any:
-        """What was asked for by `aovs`: albedo, normal, position and variance are (h, w, 3) float32,
-        depth and samples (h, w) float32, id and primitive (h, w) uint32, origin (h, w, 8) uint32."""
+        """What was asked for by `aovs`, read-only: albedo, normal, position and variance are (h, w, 3)
+        float32, depth and samples (h, w) float32, all views of the film's own memory; id and primitive
+        are (h, w) uint32, origin (h, w, 8) uint32. Raises UsageError for one that was not rendered."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected the name of an AOV")
-        return as_ndarray(self._picture.channels(named_text("name", name)))
+        first, count, is_whole = self._picture.place_of(named_text("name", name))
+        values: Any = as_ndarray(self._picture.values)
+        if is_whole or not hasattr(values, "strides"):
+            return as_ndarray(self._picture.channels(name))
+        return values[..., first] if count == 1 else values[..., first:first + count]
 
     def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
                 ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
                 ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
                 **unknown: NoReturn) -> npt.NDArray[np.uint8]:
-        """The bytes of the PNG as (h, w, 3) uint8. The keywords are those of `save`."""
+        """The bytes of the PNG as (h, w, 3) uint8. The keywords are those of `Image.save`. Raises UsageError for
+        values that they cannot have."""
         output = {"exposure": exposure, "tone_map": tone_map, "transfer": transfer, "gamma": gamma,
                   "ocio_view": ocio_view, "ocio_display": ocio_display, "ocio_space": ocio_space,
                   "ocio_input": ocio_input}
@@ -209,7 +219,8 @@ class Image:
 
     def apply(self, f: Callable[[Floats], ArrayLike]) -> "Image":
         """The picture with other light: `f` of that of this one, an array (h, w, 3). All else is
-        kept: what is beside light, what the scene asks of the numbers, holes and statistics."""
+        kept: what is beside light, what the scene asks of the numbers, holes and statistics. Raises
+        UsageError where `f` returns another shape, and what `f` raises."""
         light = _light_of(f(self.linear), None)
         if light.shape != self.linear.shape:
             raise UsageError(f"apply: f makes an array of shape {light.shape}; expected "
@@ -279,10 +290,10 @@ def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
     is_code = values.dtype.kind == "u" and values.dtype.itemsize <= 2
     if values.dtype.kind != "f" and not is_code:
         raise TypeError(f"array: numbers of type {values.dtype}; expected floats, uint8 or uint16")
-    if is_code:
-        values = values / numpy.iinfo(values.dtype).max
     if is_code if linear is None else not linear:
         values = as_ndarray(_core.linear_of_srgb(values))
+    elif is_code:
+        values = values / numpy.iinfo(values.dtype).max
     return numpy.ascontiguousarray(values, dtype=numpy.float32)
 
 
@@ -295,11 +306,12 @@ def read_image(path: Path) -> Image:
     name = file_name(path)
     if not os.path.exists(name):
         raise MissingFile.of(os.fsdecode(name), "a picture")
-    return Image.from_array(as_ndarray(_core.read_light(name)), linear=True)
+    return Image._of(_core.picture_from_file(name))
 
 
 def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
-    """How far picture a is from picture b, the reference, in linear light."""
+    """How far picture a is from picture b, the reference, in linear light: images, or paths of files. Raises
+    UsageError for pictures of different sizes, and what `read_image` raises."""
     first, second = (p if isinstance(p, Image) else read_image(p) for p in (a, b))
     if (first.width, first.height) != (second.width, second.height):
         raise UsageError(f"b: size {second.width}x{second.height}; expected {first.width}x"

@@ -7,23 +7,21 @@ from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional,
                     Union)
 
 from . import _core
+from ._arguments import (boolean, folder_text, named_text, nearest, number, several, tells_unknown,
+                         whole, whole_count)
 from ._array import plain_array
+from ._callers import level_of_caller
 from ._hits import AllHits, Hits, Located, frozen
-from ._local_farms import whole_count
 from ._log import logged_at_end
-from ._mesh import Mesh
-from ._options import boolean, folder_text, named_text, number, whole
-from ._types import Accelerator, ArrayLike, Cull, HitField, Path, VectorLike
-from ._value import level_of_caller, nearest, several, tells_unknown
+from ._options import core_options
+from ._types import Accelerator, ArrayLike, Cull, HitField, Path
 from .errors import SceneWarning, UsageError
-from .rendering import core_options
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
     from ._types import AnyArray, ArrayShape, Bools, Doubles, Rows
-    from .scene import Scene
 
     # Time, camera, accelerator and threads.
     Options = Tuple[Optional[float], str, Accelerator, Optional[int]]
@@ -92,8 +90,9 @@ def _rows(array: Rows, shape: ArrayShape) -> Rows:
 
 def _can_change(array: Rows) -> bool:
     """Whether somebody could write to its memory."""
+    # Not by flags, which of arrays of numpy.broadcast_arrays warn when they are read.
     base: Any = array
-    while hasattr(base, "flags") and not base.flags.writeable:
+    while hasattr(base, "__array_interface__") and base.__array_interface__["data"][1]:
         base = base.base
     return not (base is None or isinstance(base, bytes))
 
@@ -153,7 +152,7 @@ class Tracer:
         self._open: Optional[List[Tuple[int, int, int, int]]] = None  # meshes, see _core
 
     @classmethod
-    def _of(cls, scene: Union[Scene, str, bytes], options: Options, assets: str = "") -> Tracer:
+    def _of(cls, scene: Union[_core.ValueBase, _core.Array, str, bytes], options: Options, assets: str = "") -> Tracer:
         """Of a Scene, of its text form (str) or of its binary form (bytes)."""
         time, camera, accel, threads = options
         with logged_at_end():
@@ -357,20 +356,20 @@ class Tracer:
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> Tuple[Any, ...]:
         from pickle import PickleBuffer
-        scene = self._core.scene()
+        scene: Any = self._core.scene()
         return _rebuilt, (PickleBuffer(scene) if int(protocol) >= 5 else scene, self._options)
 
     def __repr__(self) -> str:
         return f"<Tracer of {len(self._instance_names())} instances>"
 
 
-def _rebuilt(scene: bytes, options: Options) -> Tracer:
+def _rebuilt(scene: Any, options: Options) -> Tracer:
     """A tracer that was pickled, whose scene may come in any buffer."""
-    return Tracer._of(bytes(scene), options)
+    return Tracer._of(scene, options)
 
 
 @tells_unknown
-def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] = None,
+def tracer_from_scene(scene: Union[_core.ValueBase, str, bytes], *, time: Optional[float] = None,
                       camera: Optional[str] = None, accel: Accelerator = "bvh",
                       threads: Optional[int] = None, geometry_only: bool = True,
                       assets: Optional[Path] = None) -> Tracer:
@@ -382,11 +381,3 @@ def tracer_from_scene(scene: Union[Scene, str, bytes], *, time: Optional[float] 
     core_options({"time": when, "accel": accel})  # which refuses what render does
     name: Any = named_text("accel", accel)
     return Tracer._of(scene, (when, _camera_name(camera), name, threads), folder_text(assets))
-
-
-@tells_unknown
-def tracer_from_mesh(positions: ArrayLike, triangles: ArrayLike, *, accel: Accelerator = "bvh",
-                     threads: Optional[int] = None) -> Tracer:
-    """A tracer of one mesh: positions (v, 3), held as float32, and indices (t, 3)."""
-    from .scene import Scene  # here: it imports this
-    return tracer_from_scene(Scene(nodes=[Mesh(positions, triangles)]), accel=accel, threads=threads)

@@ -9,24 +9,24 @@ import os
 import sys
 import time
 import warnings as _warnings
-from typing import (TYPE_CHECKING, Any, AsyncIterator, Generator, Iterator, Literal, NoReturn, Optional,
+from typing import (Any, AsyncIterator, Generator, Iterator, Literal, NoReturn, Optional,
                     Sequence, Union, overload)
 
-from . import _core, _messages
-from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads, whole_count
+from . import _core
+from ._arguments import (boolean, fraction_text, frame_number, named_text, refuse_unknown, seconds,
+                         whole_count)
+from ._callers import level_of_caller
+from ._local_farms import BaseFarm, LocalFarm, OfThisProcess, Threads
 from ._log import pass_on_log
-from ._options import boolean, fraction_text, frame_number, named_text, option_texts, seconds
+from ._messages import Scene
+from ._options import core_options
 from ._places import located_errors
 from ._progress import SHOW_SECONDS, Callbacks, Progress, ProgressOption, TileCallback
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, X3dColor,
                      X3dShadows, X3dTexture)
-from ._value import level_of_caller, refuse_unknown
 from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
                      UsageError)
 from .picture import Image
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 _LOOK_SECONDS = .02  # how often a waiting thread looks for signals
 
@@ -233,28 +233,6 @@ def with_picture(error: Error, image: Optional[Image]) -> Error:
     return error
 
 
-_IN_PYTHON = (("WIDTHxHEIGHT", "(width, height)"), ("1920x1080", "(1920, 1080)"),
-              ("X0,Y0,X1,Y1", "(x0, y0, x1, y1)"), ("0,0,64,64", "(0, 0, 64, 64)"),
-              ("X0 < X1 and 0 <= Y0 < Y1", "x0 < x1 and 0 <= y0 < y1"),
-              ("FIRST-LAST with 0 <= FIRST <= LAST", "(first, last) with 0 <= first <= last"),
-              ("such as 0-23", "such as (0, 23)"), ("expected true or false", "expected True or False"))
-
-
-def core_options(keywords: dict[str, Any], of_jobs: bool = False) -> _core.Options:
-    """Keywords as the options of `tessera render`, or of `tessera submit`."""
-    options = _core.Options(of_jobs)
-    for option, text in option_texts(keywords):
-        try:
-            options.assign(option, text)
-        except UsageError as error:
-            # What was given, where the text is ours, and what is expected as Python has it.
-            given = keywords[option.replace("-", "_")]
-            typed = str(text).lower() if isinstance(text, bool) else text
-            message = error.message.replace(f"'{typed}'", repr(given), 1)
-            for of_command_line, of_python in _IN_PYTHON:
-                message = message.replace(of_command_line, of_python)
-            raise UsageError(message) from None
-    return options
 
 
 def checked_scene(scene: Union[Scene, Path], keyword: str = "scene") -> Union[Scene, str]:
@@ -265,7 +243,7 @@ def checked_scene(scene: Union[Scene, Path], keyword: str = "scene") -> Union[Sc
         scene = named_text(keyword, scene)
         if not os.path.exists(scene):
             raise MissingFile.of(scene, "a scene")
-    if not isinstance(scene, (str, _messages.Scene)):
+    if not isinstance(scene, (str, Scene)):
         raise TypeError(f"{keyword}: {scene!r:.100}; expected a Scene or the path of a file")
     return scene
 
@@ -292,8 +270,11 @@ def started_farm(workers: Optional[int], threads: Optional[int], verify: Union[N
     share = fraction_text("verify", 0 if verify is None else verify)
     if workers == 0:
         _core.share_verified(share, workers)
-        return Threads(None if threads is None else whole_count("threads", threads))
-    return LocalFarm(workers, 1 if threads is None else threads, share)
+        farm: BaseFarm = Threads(None if threads is None else whole_count("threads", threads))
+    else:
+        farm = LocalFarm(workers, 1 if threads is None else threads, share)
+    farm._is_of_render = True
+    return farm
 
 
 @overload

@@ -7,23 +7,24 @@ from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List,
                     Optional, Sequence, Tuple, Type, TypeVar, Union, overload)
 
 from . import _core, _messages, rendering
+from ._arguments import (file_name, folder_text, frame_number, nearest, refuse_unknown, several,
+                         tells_unknown, with_article)
+from ._callers import here
 from ._graph import Instances, flat, with_material
 from ._html import table
 from ._local_farms import BaseFarm
 from ._log import logged_at_end
 from ._messages import (Fog, Frames, Include, IntegratorSettings, IntegratorSettingsShadows, Light,
                         Material, Metadata, Object, Output, OutputQuantization, OutputToneMap,
-                        OutputTransfer, Sampling, SamplingFilter, SamplingPattern, Settings, Shape,
-                        Texture)
+                        OutputTransfer, Sampling, SamplingFilter, SamplingPattern, Settings, Texture)
 from ._nodes import Node
-from ._progress import ProgressOption, TileCallback
-from ._options import file_name, folder_text, frame_number
 from ._places import located_errors
-from ._placing import everything_in
+from ._placing import Shape, everything_in
+from ._progress import ProgressOption, TileCallback
 from ._transforms import Transform
-from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, NodeLike, PartsLike, Path, Pattern,
-                     Shadows, Size, TransformsLike)
-from ._value import Value, here, nearest, refuse_unknown, several, tells_unknown, with_article, words_of
+from ._types import Accelerator, Aovs, ColorLike, Crop, Integrator, Path, Pattern, Shadows, Size
+from ._value import Value, words_of
+from ._value_types import NodeLike, PartsLike, TransformsLike
 from ._view import Background, Camera
 from .errors import SceneError, UsageError
 from .picture import Image
@@ -127,7 +128,8 @@ class Scene(_messages.Scene):
     """Everything that a picture is made of: a value, which is read when it is rendered or saved.
 
     Beside the fields of the message (`nodes`, `materials`, `cameras`, ...) it has those of its
-    settings as attributes and keywords: `Scene(width=640, height=360, spp=64)`.
+    settings as attributes and keywords: `Scene(width=640, height=360, spp=64)`. What uses a scene
+    raises SceneError, with the script's line, for values out of their range.
     """
 
     __slots__ = ()
@@ -224,6 +226,8 @@ class Scene(_messages.Scene):
             objects and scenes keep theirs, so that they cannot be given one.
         :return: the node; a Node that is added by itself is returned as it is. One thing is its
             `shape`, `light` or `instance_of`, several are in nodes of their own, its `children`.
+
+        Raises TypeError for what is no part of a scene.
         """
         if not things:
             raise TypeError("add() of nothing; expected a Shape, Light, Node, Object, Scene or a "
@@ -274,6 +278,8 @@ class Scene(_messages.Scene):
         """Adds many instances of an object, which is stored and built once.
 
         :param transforms: an array (n, 3, 4) or (n, 4, 4), or a list of transforms.
+
+        Raises what `Instances` raises.
         """
         added = Instances(object, transforms, names, material=material)
         if not isinstance(object, str):
@@ -283,7 +289,7 @@ class Scene(_messages.Scene):
 
     def find(self, name: str, kind: Type[V] = Value) -> V:  # type: ignore[assignment]
         """The first part of that name and class: `scene.find("ivory", ts.Classic).diffuse = "red"`.
-        Finds whatever of the scene has a name."""
+        Finds whatever of the scene has a name. Raises UsageError where nothing is called so."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected text")
         if not isinstance(kind, type):
@@ -334,7 +340,9 @@ class Scene(_messages.Scene):
         return table({**summary.counts, **{what: text for what, text in rest.items() if text}})
 
     def save(self, path: Path) -> None:
-        """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json."""
+        """Writes the scene by the ending: .tessera (text), .tesserab (binary) or .json. Raises SceneError, with
+        the script's line, for what is no scene, UsageError for other endings, RenderError where the file
+        cannot be written."""
         _core.save(self, file_name(path))
 
     def to_dict(self) -> Dict[str, Any]:

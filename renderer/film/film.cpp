@@ -7,6 +7,7 @@
 #include <new>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "base/digest.h"
 #include "base/error.h"
 
@@ -78,7 +79,9 @@ Film Film::with_only(AovSet aovs) const {
   }
   const float* from = values_.get();
   float* to = result.values_.get();
+  constexpr int64_t kPixelsBetweenLooks = int64_t{1} << 20;
   for (int64_t i = 0; i < rect_.area(); ++i, from += channels_, to += result.channels_) {
+    if (i % kPixelsBetweenLooks == 0) Cancellation::check();
     for (const Run& run : runs) std::copy_n(from + run.from, run.count, to + run.to);
   }
   return result;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -18,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/cancellation.h"
 #include "base/log.h"
 #include "base/process.h"
 #include "base/program_folder.h"
@@ -127,7 +129,7 @@ void ImageCodec::start_locked() {
                            {.standard_input = theirs.get(), .discards_output = true});
   socket_ = std::move(ours);
   loads_all_ = false;
-  const timeval patience{.tv_sec = 0, .tv_usec = 250'000};
+  const timeval patience{.tv_sec = 0, .tv_usec = 100'000};
   setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
 }
@@ -143,10 +145,13 @@ std::optional<ImageCodec::Answer> ImageCodec::try_call(const ImageRequest& reque
                                                        const Sending& send) {
   start_locked();
   // A process that something has stopped would keep a finished picture waiting for good.
+  // Nor does one whose answer nobody wants any more work on.
   ImageChannel channel(socket_.get(), [this] {
     siginfo_t news{};
     constexpr int kAsk = WEXITED | WSTOPPED | WNOHANG | WNOWAIT;
-    return waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
+    const std::atomic<bool>* const cancelled = Cancellation::current();
+    return !(cancelled && *cancelled) &&
+           waitid(P_PID, static_cast<id_t>(process_), &news, kAsk) == 0 && news.si_pid == 0;
   });
   if (!send(channel)) return std::nullopt;
   return receive_answer(channel, request);
@@ -203,6 +208,7 @@ ImageCodec::Answer ImageCodec::call_by(const ImageRequest& request, const Sendin
   const std::lock_guard lock(mutex_);
   int status = 0;
   for (int attempt = 0; attempt < 3; ++attempt) {
+    Cancellation::check();
     try {
       if (auto answer = try_call(request, send)) return *std::move(answer);
     } catch (const std::bad_alloc&) {
@@ -210,6 +216,7 @@ ImageCodec::Answer ImageCodec::call_by(const ImageRequest& request, const Sendin
       throw;
     }
     status = end_locked();
+    Cancellation::check();
     // Who ended it from outside did not mean this file.
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     if (signal != SIGKILL && signal != SIGTERM) break;

@@ -9,12 +9,14 @@
 #include <cstring>
 #include <span>
 
+#include "base/core_count.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
 #include "base/open_file.h"
 #include "base/open_input.h"
 #include "base/owned_descriptor.h"
+#include "base/parallel.h"
 #include "base/version.h"
 #include "renderer/image/image_codec.h"
 #include "renderer/image/image_format.h"
@@ -323,24 +325,27 @@ FloatImage read_image(const fs::path& path) {
 std::vector<float> linear_light(const FloatImage& image) {
   const ColorChannels used = color_channels_of(image.channels);
   const auto order = used.in_order();
-  const size_t pixels = image.values.size() / image.channels.size();
-  std::vector<float> colors(pixels * order.size());
-  for (size_t pixel = 0; pixel < pixels; ++pixel) {
-    for (size_t i = 0; i < order.size(); ++i) {
-      if (!order[i]) continue;
-      colors[pixel * order.size() + i] = image.values[pixel * image.channels.size() + *order[i]];
-    }
-  }
   const auto count = used.count();
-  if (used.kind == ColorChannels::Kind::luminance_chroma) luminance_chroma_to_rgb(colors, count);
-  decode_samples(colors, count, image.meaning, SampleEncoding::automatic);
+  const bool is_grey = used.kind == ColorChannels::Kind::grey;
+  const size_t pixels = image.values.size() / image.channels.size();
   std::vector<float> light(3 * pixels);
-  for (size_t pixel = 0; pixel < pixels; ++pixel) {
-    for (size_t i = 0; i < 3; ++i) {
-      light[3 * pixel + i] =
-          colors[pixel * count + (used.kind == ColorChannels::Kind::grey ? 0 : i)];
+  constexpr size_t kPixelsAtOnce = size_t{1} << 16;
+  for_each_piece_parallel(pixels, kPixelsAtOnce, core_count(), [&](size_t begin, size_t end) {
+    std::vector<float> colors((end - begin) * order.size());
+    const float* from = &image.values[begin * image.channels.size()];
+    for (float* to = colors.data(); to != colors.data() + colors.size();
+         to += order.size(), from += image.channels.size()) {
+      for (size_t i = 0; i < order.size(); ++i) {
+        if (order[i]) to[i] = from[*order[i]];
+      }
     }
-  }
+    if (used.kind == ColorChannels::Kind::luminance_chroma) luminance_chroma_to_rgb(colors, count);
+    decode_samples(colors, count, image.meaning, SampleEncoding::automatic);
+    for (size_t pixel = begin; pixel < end; ++pixel) {
+      for (size_t i = 0; i < 3; ++i)
+        light[3 * pixel + i] = colors[(pixel - begin) * count + (is_grey ? 0 : i)];
+    }
+  });
   return light;
 }
 

@@ -33,12 +33,26 @@ Digest key_of(const v1::TriangleMesh& mesh, AcceleratorKind kind) {
   return Digest::of(mesh.SerializeAsString() + static_cast<char>(kind));
 }
 
-/// The mesh with what the picture depends on; what became of it is noted in `built`.
-std::shared_ptr<TriangleMesh> take_mesh(const Where& where, const v1::Shape& shape,
-                                        const ShapeSource& source, BuiltShape& built) {
-  auto mesh = std::make_shared<TriangleMesh>(read_mesh(where, shape.mesh(), source.blobs,
-                                                       static_cast<size_t>(shape.materials_size()),
-                                                       source.threads));
+/// A mesh with what the picture depends on, and what was found when it was read.
+struct TakenMesh {
+  TriangleMesh mesh;
+  BuiltShape found;  ///< without the shape and the mesh
+};
+
+/// Of all that take_mesh() reads of a shape.
+Digest key_of_taken(const v1::Shape& shape, const KeptAttributes& keep) {
+  std::string key = "taken mesh " + shape.mesh().SerializeAsString();
+  for (const bool kept : {keep.normals, keep.uvs, keep.tangents, keep.colors})
+    key += kept ? '1' : '0';
+  return Digest::of(key + std::to_string(shape.materials_size()));
+}
+
+TakenMesh read_taken(const Where& where, const v1::Shape& shape, const ShapeSource& source) {
+  TakenMesh taken{read_mesh(where, shape.mesh(), source.blobs,
+                            static_cast<size_t>(shape.materials_size()), source.threads),
+                  {}};
+  TriangleMesh* const mesh = &taken.mesh;
+  BuiltShape& built = taken.found;
   built.has_clear_vertices = std::any_of(mesh->colors.begin(), mesh->colors.end(),
                                          [](const Float4& c) { return c.w < 1; });
   const bool all_opaque = std::all_of(mesh->colors.begin(), mesh->colors.end(),
@@ -56,7 +70,25 @@ std::shared_ptr<TriangleMesh> take_mesh(const Where& where, const v1::Shape& sha
   built.bytes = mesh->bytes();
   built.triangles_dropped = drop_degenerate(*mesh, source.threads).total();
   built.triangles = mesh->triangles.size();
-  return mesh;
+  return taken;
+}
+
+/// The mesh; what became of it is noted in `built`. One of blobs is read and checked once for all
+/// frames that live at a time: that of an animation's next frame takes no time.
+std::shared_ptr<const TriangleMesh> take_mesh(const Where& where, const v1::Shape& shape,
+                                              const ShapeSource& source, BuiltShape& built) {
+  const v1::BlobRef& triangles = shape.mesh().triangles();
+  WeakCache* const live = triangles.size() >= kTrianglesWorthSharing * sizeof(TriangleIndices)
+                              ? source.sharing.live
+                              : nullptr;
+  const Digest key = live ? key_of_taken(shape, source.keep) : Digest{};
+  std::shared_ptr<const TakenMesh> taken = live ? live->find<TakenMesh>(key) : nullptr;
+  if (!taken) {
+    taken = std::make_shared<const TakenMesh>(read_taken(where, shape, source));
+    if (live) live->note(key, taken);
+  }
+  built = taken->found;
+  return {taken, &taken->mesh};
 }
 
 BuiltShape build_mesh(const Where& where, const v1::Shape& shape, const ShapeSource& source) {

@@ -3,10 +3,13 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <map>
+#include <functional>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
+#include <vector>
 
+#include "base/cancellation.h"
 #include "renderer/shapes/mesh_boundary.h"
 #include "renderer/shapes/projected_edge.h"
 #include "renderer/shapes/triangle_mesh.h"
@@ -36,11 +39,21 @@ std::vector<uint32_t> weld(const TriangleMesh& mesh) {
 void merge_vertices(TriangleMesh& mesh, double distance) {
   // Vertices that stay, by cubes of that side: those near a point are in its own or beside it.
   using Cube = std::array<double, 3>;
-  std::map<Cube, std::vector<uint32_t>> staying;
+  struct Hash {
+    size_t operator()(const Cube& cube) const {
+      constexpr size_t kOdd = 0x9e3779b97f4a7c15;  // 2^64 divided by the golden ratio
+      size_t mixed = 0;
+      for (const double side : cube) mixed = (mixed ^ std::hash<double>()(side)) * kOdd;
+      return mixed ^ mixed >> 32;
+    }
+  };
+  std::unordered_map<Cube, std::vector<uint32_t>, Hash> staying;
   const auto cube_of = [distance](const Point3& p) {
     return Cube{std::floor(p.x / distance), std::floor(p.y / distance), std::floor(p.z / distance)};
   };
+  constexpr uint32_t kBetweenLooks = 4096;
   for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
+    if (i % kBetweenLooks == 0) Cancellation::check();
     const Point3 p = mesh.vertex(i);
     const Cube own = cube_of(p);
     uint32_t first = i;
@@ -63,6 +76,7 @@ void merge_vertices(TriangleMesh& mesh, double distance) {
 
 std::vector<OpenEdge> open_edges(const TriangleMesh& mesh) {
   const std::vector<uint32_t> same = weld(mesh);
+  Cancellation::check();
   std::vector<std::tuple<uint32_t, uint32_t, int>> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (const TriangleIndices& t : mesh.triangles) {
@@ -71,7 +85,9 @@ std::vector<OpenEdge> open_edges(const TriangleMesh& mesh) {
       if (a != b) edges.emplace_back(std::min(a, b), std::max(a, b), a < b ? 1 : -1);
     }
   }
+  Cancellation::check();
   std::sort(edges.begin(), edges.end());
+  Cancellation::check();
   std::vector<OpenEdge> open;
   for (size_t i = 0; i < edges.size();) {
     int sum = 0;

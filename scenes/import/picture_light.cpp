@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/core_count.h"
+#include "base/parallel.h"
 #include "base/plural.h"
 #include "renderer/math/encodings.h"
 
@@ -74,7 +76,13 @@ void decode_picture(DecodedTexture& picture, SampleEncoding encoding) {
   std::vector<std::byte> bytes(picture.texels->size() / (picture.bits / 8) * sizeof(float));
   const std::span floats(reinterpret_cast<float*>(bytes.data()), bytes.size() / sizeof(float));
   copy_as_floats(picture, floats);
-  decode_samples(floats, picture.channels, meaning, encoding);
+  constexpr size_t kPixelsAtOnce = size_t{1} << 16;
+  const size_t channels = picture.channels;
+  for_each_piece_parallel(
+      floats.size() / channels, kPixelsAtOnce, core_count(), [&](size_t begin, size_t end) {
+        decode_samples(floats.subspan(begin * channels, (end - begin) * channels), picture.channels,
+                       meaning, encoding);
+      });
   picture.texels = make_blob(std::move(bytes));
   picture.bits = 32;
   picture.meaning.from_integers = false;

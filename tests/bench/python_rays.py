@@ -16,8 +16,8 @@ import statistics
 import time
 
 import numpy as np
+import tessera as ts
 from bench_table import Table, add_options, seconds
-from tessera.rays import tracer_from_mesh
 
 NONE = 0xFFFFFFFF
 
@@ -232,7 +232,7 @@ class Contest:
     def __init__(self, build, points, triangles):
         points = np.ascontiguousarray(points, np.float32)
         triangles = np.ascontiguousarray(triangles, np.uint32)
-        self.tracer = tracer_from_mesh(points, triangles, threads=1)
+        self.tracer = ts.Mesh(points, triangles).tracer(threads=1)
         self.loop = Loop(build, points, triangles)
         others = contestants(points, triangles)
         self.embree, self.open3d, self.mathutils = map(others.get, ("Embree", "Open3D", "Mathutils"))

@@ -89,6 +89,17 @@ class Interrupt(TesseraTest):
                 process.communicate(timeout=PATIENCE)
                 self.assertIn(process.returncode, (4, 0) if arguments[0] == "info" else (4,))
 
+    def test_once_while_a_traced_picture_is_denoised_or_written(self):
+        scene = self.write("scene.tessera", "background { solid { r: 1 g: 1 b: 1 } } nodes { shape { sphere {} } }")
+        for options in [("picture.png", "--denoise", "--size", "2400x1800", "--spp", 2),
+                        ("picture.exr", "--size", "6000x6000", "--spp", 1)]:
+            with self.subTest(options=options):
+                process = self.start("render", scene, "-o", *options, "--workers", 1)
+                self.wait_for_workers(1)
+                self.wait_for_workers(0)  # which ends once all is traced
+                process.send_signal(signal.SIGINT)
+                self.assertIn("interrupted; no picture was written", self.assert_interrupted(process))
+
     def test_while_it_waits_for_workers(self):
         serve = self.start("serve", "--bind", "tcp://127.0.0.1:*")
         endpoint = serve.stdout.readline().split()[-1]

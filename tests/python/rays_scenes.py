@@ -1,5 +1,10 @@
 """Meshes and rays that several tests of ray queries share."""
 import numpy as np
+import tessera as ts
+
+
+def tracer_of_mesh(points, rows, **options):
+    return ts.Mesh(points, rows).tracer(**options)
 
 
 def cube(cells=20, size=20.0):

@@ -248,14 +248,15 @@ except KeyboardInterrupt:
                                   "ts.compare(image, image)", "ts._core.blob_digest(array)"])
 def test_ctrl_c_while_a_large_picture_is_worked_on_is_raised_though_work_goes_on(started, folder, call):
     process = started(f"""
-import os, signal
+import os, signal, time
 import numpy as np
 import tessera as ts
 signal.signal(signal.SIGALRM, signal.default_int_handler)
+before = len(os.listdir("/proc/self/task"))
 image = ts.Image.from_array(np.random.default_rng(1).random((4000, 2000, 3), "f4"))
 file = {str(folder / "out.png")!r}
 array = ts.Array.from_bytes(bytes(100_000_000), "f", [25_000_000])
-before = len(os.listdir("/proc/self/task"))
+while len(os.listdir("/proc/self/task")) > before: time.sleep(.01)  # those that made them end
 print("begins", flush=True)
 signal.setitimer(signal.ITIMER_REAL, .005)
 try:

@@ -73,14 +73,17 @@ def test_shapes_and_types(image):
         ts.Image.from_array([[.5]]).aov("depth")
 
 
-def test_light_without_aovs_is_a_view_of_the_film():
-    plain = ts.render(KNOT, workers=0, size=(20, 10))
-    first, second = plain._picture.light, plain._picture.light
-    assert np.shares_memory(np.asarray(first), np.asarray(second))
-    kept = plain.linear.copy()
-    array = plain.linear
-    del plain, first, second
-    assert (array == kept).all()
+@pytest.mark.parametrize("aovs", [(), ("depth", "normal", "id")])
+def test_light_and_aovs_are_views_of_the_film(aovs):
+    picture = ts.render(KNOT, workers=0, size=(20, 10), aovs=aovs)
+    film = np.asarray(picture._picture.values)
+    views = [picture.linear, *(picture.aov(name) for name in aovs if name != "id")]
+    assert all(np.shares_memory(view, film) and not view.flags.writeable for view in views)
+    copies = [np.asarray(picture._picture.light()), *(np.asarray(picture._picture.channels(name))
+                                                      for name in aovs if name != "id")]
+    assert all((view == copy).all() and view.shape == copy.shape for view, copy in zip(views, copies))
+    del picture, film
+    assert all((view == copy).all() for view, copy in zip(views, copies))
 
 
 def test_the_bytes_of_the_png(image, tmp_path):

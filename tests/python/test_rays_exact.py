@@ -3,8 +3,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from rays_scenes import rays_about, soup
-from tessera.rays import tracer_from_mesh, tracer_from_scene
+from rays_scenes import rays_about, soup, tracer_of_mesh
+from tessera.rays import tracer_from_scene
 
 U = 2.0**-53
 
@@ -61,7 +61,7 @@ def triangles():
 def test_t_and_points_are_those_of_exact_arithmetic(triangles):
     points, origins, directions = triangles
     assert np.array_equal(points, points.astype(np.float32))
-    tracer = tracer_from_mesh(points.reshape(-1, 3), np.arange(3 * len(points)).reshape(-1, 3))
+    tracer = tracer_of_mesh(points.reshape(-1, 3), np.arange(3 * len(points)).reshape(-1, 3))
     hits = tracer.intersect(origins, directions)
     assert hits.hit.all()
     a, b, c = (whole(points[:, k]) for k in range(3))
@@ -99,7 +99,7 @@ def test_the_surface_passes_within_the_error_of_points_that_graze_or_are_near(le
     directions = (flat / np.linalg.norm(flat, axis=1, keepdims=True)
                   + lean * normals / np.linalg.norm(normals, axis=1, keepdims=True))
     origins = corners.mean(1) - distance * directions
-    hits = tracer_from_mesh(points, rows).intersect(origins, directions)
+    hits = tracer_of_mesh(points, rows).intersect(origins, directions)
     assert hits.hit.sum() > 200
     for i in np.flatnonzero(hits.hit):
         a, b, c = ([Fraction(x) for x in corner.tolist()] for corner in corners[hits.primitive[i]])
@@ -113,7 +113,7 @@ def test_all_hits_are_those_of_every_triangle():
     points, rows = soup(random, 1000)
     rows = np.concatenate([rows, rows[::50], [[3, 3, 4]]])  # some twice, and one without an area
     origins, directions = rays_about(random, 10_000)
-    hits = tracer_from_mesh(points, rows).intersect_all(origins, directions)
+    hits = tracer_of_mesh(points, rows).intersect_all(origins, directions)
     solid = points.astype(float)[rows]
     a, e1, e2 = solid[:, 0], solid[:, 1] - solid[:, 0], solid[:, 2] - solid[:, 0]
     for ray in range(len(origins)):
@@ -132,7 +132,7 @@ def test_all_hits_are_those_of_every_triangle():
                 assert (int(triangle) in found) == (inside[triangle] > 0)
         order = list(zip(hits.t[hits.offsets[ray]:hits.offsets[ray + 1]].tolist(), found))
         assert order == sorted(order)
-    closest = tracer_from_mesh(points, rows).intersect(origins, directions)
+    closest = tracer_of_mesh(points, rows).intersect(origins, directions)
     first = hits.offsets[:-1][hits.counts > 0]
     assert np.array_equal(closest.t[closest.hit], hits.t[first])
     assert np.array_equal(closest.primitive[closest.hit], hits.primitive[first])
@@ -141,7 +141,7 @@ def test_all_hits_are_those_of_every_triangle():
 def test_primitives_are_rows_of_the_triangles():
     """Also where triangles without an area stand before them."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
-    tracer = tracer_from_mesh(points, [[0, 0, 1], [1, 1, 1], [0, 1, 2]])
+    tracer = tracer_of_mesh(points, [[0, 0, 1], [1, 1, 1], [0, 1, 2]])
     hits = tracer.intersect([0.25, 0.5, 1], [0, 0, -1])
     assert hits.primitive == 2 and hits.uv.tolist() == [0.25, 0.5]
     assert hits.normal.tolist() == [0, 0, 1]

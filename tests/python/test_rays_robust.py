@@ -8,8 +8,8 @@ import cloudpickle
 import numpy as np
 import pytest
 import tessera as ts
-from rays_scenes import cube, rays_about, soup
-from tessera.rays import tracer_from_mesh, tracer_from_scene
+from rays_scenes import cube, rays_about, soup, tracer_of_mesh
+from tessera.rays import tracer_from_scene
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def closed():
     points, rows = cube()
     corners = points.astype(float)[rows]
     targets = np.concatenate([points, (corners + np.roll(corners, 1, 1)).reshape(-1, 3) / 2])
-    return tracer_from_mesh(points, rows), np.full(3, 10.0), targets
+    return tracer_of_mesh(points, rows), np.full(3, 10.0), targets
 
 
 def test_no_ray_slips_through_vertices_and_edges(closed):
@@ -64,7 +64,7 @@ def voxels(filled):
 @pytest.mark.parametrize("seed", range(3))
 def test_models_of_voxels_are_full_where_their_cells_are(seed):
     filled = np.random.default_rng(seed).random((6, 6, 6)) < .5
-    tracer = tracer_from_mesh(*voxels(filled))
+    tracer = tracer_of_mesh(*voxels(filled))
     centers = np.argwhere(np.ones_like(filled)) + .5
     assert (tracer.contains(centers) == filled.reshape(-1)).all()
     corners = np.stack(np.meshgrid(*[np.arange(7.0)] * 3), -1).reshape(-1, 3)
@@ -105,7 +105,7 @@ def test_points_on_edges_of_the_grid_are_inside_or_not(closed):
 def test_occluded_says_what_intersect_finds(accel):
     random = np.random.default_rng(1)
     points, rows = soup(random, 300, size=0.3)
-    tracer = tracer_from_mesh(points, rows, accel=accel)
+    tracer = tracer_of_mesh(points, rows, accel=accel)
     o, d = rays_about(random, 20_000)
     t_max = random.uniform(0, 2, len(o))
     for cull in ("none", "back", "front"):
@@ -118,7 +118,7 @@ def test_occluded_says_what_intersect_finds(accel):
 
 def test_threads_and_callers_change_no_bit():
     random = np.random.default_rng(2)
-    tracer = tracer_from_mesh(*soup(random, 2000, size=0.2))
+    tracer = tracer_of_mesh(*soup(random, 2000, size=0.2))
     o, d = rays_about(random, 50_000)
     expected, all_expected = tracer.intersect(o, d, threads=1), tracer.intersect_all(o, d, threads=1)
 
@@ -139,7 +139,7 @@ def test_threads_and_callers_change_no_bit():
 
 def test_all_shapes_strides_and_types_are_taken():
     random = np.random.default_rng(3)
-    tracer = tracer_from_mesh(*soup(random, 300))
+    tracer = tracer_of_mesh(*soup(random, 300))
     o, d = (a.reshape(6, 50, 3) for a in rays_about(random, 300))
     o, d = o.astype(np.float32), d.astype(np.float32)  # held exactly by all types below
     expected = tracer.intersect(o.astype(float), d.astype(float))
@@ -191,7 +191,7 @@ def test_arrays_at_odd_addresses_are_taken_by_every_query(closed, kind):
 @pytest.mark.parametrize("harm", ["missing", "doubled", "flipped"])
 def test_one_bad_triangle_is_told_of_and_costs_the_inside_no_more_than_its_place(harm):
     points, rows = cube()
-    whole = tracer_from_mesh(points, rows)
+    whole = tracer_of_mesh(points, rows)
     rng = np.random.default_rng(7)
     bad = {"missing": rows[1:], "doubled": np.concatenate([rows, rows[:1]]),
            "flipped": np.concatenate([rows[1:], rows[:1, ::-1]])}[harm]
@@ -243,10 +243,10 @@ def test_merged_vertices_close_slits():
 
 
 def test_nothing_is_a_legal_number_of_rays_and_triangles():
-    tracer = tracer_from_mesh(np.empty((0, 3)), np.empty((0, 3), int))
+    tracer = tracer_of_mesh(np.empty((0, 3)), np.empty((0, 3), int))
     assert not tracer.intersect(np.zeros((4, 3)), [0, 0, 1]).hit.any()
     assert not tracer.contains(np.zeros((4, 3))).any()
-    full = tracer_from_mesh(*cube(2))
+    full = tracer_of_mesh(*cube(2))
     for of in (tracer, full):
         hits = of.intersect(np.empty((0, 3)), np.empty((0, 3)))
         assert hits.t.shape == (0,) and hits.point.shape == (0, 3)
@@ -373,16 +373,16 @@ def test_rays_of_a_camera_for_another_size_are_those_of_a_scene_of_that_size(opt
 
 def test_wrong_meshes_scenes_and_shapes_are_told(closed):
     with pytest.raises(ValueError, match="triangles: index 4294967297 in row 1; expected 0 to 2"):
-        tracer_from_mesh(np.zeros((3, 3)), [[0, 1, 2], [0, 1, 2**32 + 1]])
+        tracer_of_mesh(np.zeros((3, 3)), [[0, 1, 2], [0, 1, 2**32 + 1]])
     with pytest.raises(ValueError, match="triangles"):
-        tracer_from_mesh(np.zeros((3, 3)), [[0, 1, -1]])
+        tracer_of_mesh(np.zeros((3, 3)), [[0, 1, -1]])
     with pytest.raises(ts.SceneError):
         tracer_from_scene("nodes { shape { sphere { radius: -1 } } }")
     with pytest.raises(ts.UsageError, match="accel: 'bhv'; expected one of .* did you mean 'bvh'"):
         tracer_from_scene("", accel="bhv")
     with pytest.raises(ts.UsageError, match="expected a name or a number below 1"):
         closed[0].contains([0, 0, 0], 1)
-    open_mesh = tracer_from_mesh(cube(2)[0], cube(2)[1][1:])
+    open_mesh = tracer_of_mesh(cube(2)[0], cube(2)[1][1:])
     with pytest.raises(ts.UsageError, match="open"):
         open_mesh.contains([0, 0, 0], 0)
     hits = closed[0].intersect([1, 1, 1], [0, 0, 1], fields="t")
@@ -425,7 +425,7 @@ def test_insides_of_one_name_or_number():
 
 def test_hits_of_another_scene_do_no_harm(closed):
     hits = closed[0].intersect([1, 1, 1], [0, 0, 1])
-    other = tracer_from_mesh(np.eye(3), [[0, 1, 2]])
+    other = tracer_of_mesh(np.eye(3), [[0, 1, 2]])
     with pytest.raises(ts.UsageError, match=r"primitive\[0\]: .* expected a hit of this scene"):
         other.spawn(hits, [0, 0, 1])
 
@@ -468,10 +468,10 @@ def test_names_materials_and_attributes_are_those_of_the_scene():
 #: A query that would take minutes.
 INTERRUPTED = """
 import numpy as np, os, signal, threading, time
-from tessera.rays import tracer_from_mesh
+import tessera as ts
 random = np.random.default_rng(0)
 points = random.normal(size=(60_000, 3))
-tracer = tracer_from_mesh(points, np.arange(60_000).reshape(-1, 3), accel="linear")
+tracer = ts.Mesh(points, np.arange(60_000).reshape(-1, 3)).tracer(accel="linear")
 o = random.normal(size=(3_000_000, 3))
 threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
 try:
@@ -526,3 +526,21 @@ def test_an_open_mesh_is_told_by_contains():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert closed.contains((.1, .1, .1))
+
+
+def test_arrays_of_broadcast_arrays_are_taken_without_a_warning():
+    tracer = ts.Sphere().tracer()
+    origins, directions = np.broadcast_arrays(np.zeros((4, 3)), np.array([0., 0, 1]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hits = tracer.intersect(origins, directions)
+        assert hits.t.tolist() == [1] * 4
+        assert tracer.intersect_all(origins, directions).t.tolist() == [1] * 4
+
+
+def test_hits_keep_the_rays_of_broadcast_arrays_that_are_written_to_later():
+    start, direction = np.zeros((1, 3)), np.array([0., 0, 1])
+    origins, directions = np.broadcast_arrays(np.broadcast_to(start, (4, 3)), direction)
+    hits = ts.Sphere().tracer().intersect(origins, directions)
+    start[:] = direction[:] = 7
+    assert hits.point.tolist() == [[0, 0, 1]] * 4

@@ -237,11 +237,33 @@ def test_the_words_of_a_class_tell_each_field():
     assert silent == [] and len(values) > 50
 
 
+#: What tells the unit or the range of a number.
+UNIT = re.compile(r"metre|degree|second|pixel|texel|\b(share|stop|factor|angle|exponent|light|number|grey|black|white|unit|"
+                  r"bounces|alpha|octaves|length|width|height|index|colou?rs?|samples?|blades|corners|cells|weights?)|"
+                  r"[<>]=? ?[0-9]|[0-9] (opaque )?to |in [\[(]|at (least|most)|\bany\b|per |refracti|how many|increasing", re.I)
+
+
+def test_the_words_of_a_field_tell_its_unit_or_range_and_its_default():
+    untold, count = [], 0
+    for made in map(vars(_messages).get, _messages.__all__):
+        for field, annotation in made.__annotations__.items():
+            if field.startswith(("_", "inline_")):
+                continue
+            told = re.search(rf"^        {field}: (.*(?:\n {{12}}.*)*)", made.__doc__, re.M).group(1)
+            is_number = re.search(r"\b(float|int|VectorLike|Color\w*Like|FloatInputLike)\b", annotation)
+            if is_number and not UNIT.search(told):
+                untold.append(f"{made.__name__}.{field}: {told}: no unit or range")
+            if not re.search("default|0:|none:|empty:|left out:|absent|of the node that holds the shape", told, re.I):
+                untold.append(f"{made.__name__}.{field}: {told}: no default")
+            count += 1
+    assert untold == [] and count > 250
+
+
 def test_the_words_are_those_of_python():
     for made in map(vars(_messages).get, _messages.__all__):
         assert not re.search(r"\b[A-Z]+_[A-Z_]+\b|\bPHONG\b|\binline_|: \w+: 1;", made.__doc__), made
     assert inspect.getdoc(ts.Frames).startswith("The frames of an animation")
-    assert 'levels: of detail, each half the last, rounded up; 0: 1\n' in ts.ImageTexture.__doc__
+    assert 'levels: how many, of detail, each half the last, rounded up; 0: 1\n' in ts.ImageTexture.__doc__
     assert re.search(r'filter: "trilinear" .default.', ts.ImageTexture.__doc__)
     assert "no default" in ts.SpotLight.__doc__ and "no default" in ts.DirectionalLight.__doc__
     assert 'auto (default)' in ts.Scene.integrator.__doc__ and '"on" (default)' in ts.Scene.shadows.__doc__

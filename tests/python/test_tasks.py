@@ -5,6 +5,8 @@ import io
 import os
 import pathlib
 import signal
+import subprocess
+import sys
 import threading
 import time
 import warnings
@@ -477,3 +479,15 @@ def test_several_wait_for_one_task(threads):
     for thread in waiting:
         thread.join()
     assert len(pictures) == 4 and all(picture == pictures[0] for picture in pictures)
+
+
+@pytest.mark.parametrize("left, warnings", [
+    ("farm = ts.Threads(1)", 1), ("farms = [ts.Threads(1), ts.Threads(2)]", 2),
+    ("farm = ts.Threads(1); farm.close()", 0), ("ts.Threads(1).close()", 0),
+    ("task = ts.Scene(nodes=[ts.Sphere()], background=1).render(workers=0, wait=False)", 0)])
+def test_a_farm_that_is_open_when_the_script_ends_is_told_once(left, warnings):
+    code = f"import sys, tessera as ts\n{left}\nsys.exit(3)"
+    done = subprocess.run([sys.executable, "-B", "-W", "always::ResourceWarning", "-c", code], capture_output=True,
+                          text=True, timeout=60)
+    assert done.returncode == 3
+    assert done.stderr.count(") was not closed") == warnings, done.stderr

@@ -111,3 +111,9 @@ def test_depth_along_the_axis_is_that_along_the_ray_by_its_cosine():
     depth = wall.render(size=size, spp=1, workers=0, aovs="depth").aov("depth")
     z = depth * (wall.tracer().camera_rays(size)[1] @ -camera.pose[:3, 2])
     assert np.abs(z - 4).max() < 2e-2 and np.ptp(depth) > .1
+
+
+def test_shapes_at_different_places_are_not_equal():
+    there = ts.Sphere().shift((1, 0, 0))
+    assert there != ts.Sphere() and there == ts.Sphere().shift((1, 0, 0))
+    assert ts.Csg("union", [there]) != ts.Csg("union", [ts.Sphere()])

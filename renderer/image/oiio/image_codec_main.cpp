@@ -3,12 +3,14 @@
 // rest by a module that it loads when first asked for. Decoders cannot take the renderer down with
 // them, nor open files: what they decode is handed over as memory, and a sandbox holds them.
 #include <dlfcn.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -17,6 +19,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -177,6 +181,21 @@ class Server {
   Sandbox sandbox_;
 };
 
+/// Ends this process as soon as the one that asks is gone, whatever it is at: nobody wants it.
+void end_with_who_asks(int socket) {
+  const auto watch = [socket] {
+    pollfd asker{.fd = socket, .events = POLLRDHUP, .revents = 0};
+    while (poll(&asker, 1, -1) < 0 && errno == EINTR) {
+    }
+    _exit(0);
+  };
+  try {
+    std::thread(watch).detach();
+  } catch (const std::system_error&) {
+    // Where no thread can be had, it ends once it has answered.
+  }
+}
+
 /// Those that this process may read from now on. The files that an OpenColorIO configuration names
 /// may be anywhere, so whoever converts colours may read all, and decodes nothing.
 std::vector<std::filesystem::path> readable_places(bool decodes) {
@@ -201,6 +220,7 @@ int main(int count, char** arguments) {
   const bool decodes = count < 2 || std::string_view(arguments[1]) != tessera::kConvertsColors;
   tessera::Server server(STDIN_FILENO, decodes,
                          tessera::enter_sandbox(tessera::readable_places(decodes)));
+  tessera::end_with_who_asks(STDIN_FILENO);
   while (server.serve_one()) {
   }
   // Nothing is left to be written; taking the libraries down in order would only cost time.

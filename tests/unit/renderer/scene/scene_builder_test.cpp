@@ -42,6 +42,44 @@ TEST(Scene, keeps_only_what_the_picture_needs) {
   EXPECT_EQ(scene->instances[0].shape, scene->instances[1].shape);
 }
 
+TEST(Scene, a_mesh_that_lives_is_not_read_again) {
+  constexpr uint32_t kTriangles = 5000;
+  v1::Scene scene;
+  BlobStore blobs;
+  v1::TriangleMesh& mesh = *scene.add_nodes()->mutable_shape()->mutable_mesh();
+  const auto put = [&](v1::BlobRef& ref, const auto& numbers) {
+    std::vector<std::byte> bytes(numbers.size() * sizeof(numbers[0]));
+    std::memcpy(bytes.data(), numbers.data(), bytes.size());
+    ref.set_size(bytes.size());
+    ref.set_digest(blobs.put(std::move(bytes)).hex());
+  };
+  std::vector<float> positions;
+  std::vector<uint32_t> triangles;
+  for (uint32_t i = 0; i < kTriangles; ++i) {
+    const auto x = static_cast<float>(i);
+    positions.insert(positions.end(), {x, 0, 0, x + 1, 0, 0, x, 1, 0});
+    triangles.insert(triangles.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  put(*mesh.mutable_positions(), positions);
+  put(*mesh.mutable_triangles(), triangles);
+  WeakCache live;
+  const Sharing sharing{.live = &live};
+  const auto build = [&](const BlobStore& from, const Sharing& where) {
+    return build_scene(scene, from, frame_of(8, 8), 2, where);
+  };
+  auto first = build(blobs, sharing);
+  // Where there are no blobs, none is read.
+  const auto second = build({}, sharing);
+  EXPECT_EQ(second->counters.at("triangles"), kTriangles);
+  EXPECT_EQ(second->counters, first->counters);
+  EXPECT_THROW(build({}, {}), Error);
+  // What else a mesh is made from is another mesh.
+  mesh.set_closed(true);
+  EXPECT_THROW(build({}, sharing), Error);
+  mesh.set_closed(false);
+  EXPECT_NO_THROW(build({}, sharing));
+}
+
 TEST(Scene, lights_out_of_range_leave_the_others_alone) {
   const std::string seen = R"(
     cameras { world_from_camera { steps { translate { z: 3 } } } } nodes { shape { sphere {} } }
