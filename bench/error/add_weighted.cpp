@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "renderer/math/targets.h"
+#include "base/targets.h"
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "renderer/math/targets.h"
+#include "base/targets.h"
 #include "renderer/shapes/triangle.h"
 
 // This file is compiled once for each instruction set.

@@ -1,7 +1,7 @@
 #include "renderer/integrator/path_batches.h"
 
+#include "base/targets.h"
 #include "renderer/integrator/path_surfaces.h"
-#include "renderer/math/targets.h"
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
 #undef HWY_TARGET_INCLUDE

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/math/targets.h"
+#include "base/targets.h"
 
 // This file is compiled once for each instruction set, as bvh_kernels.cpp is.
 #undef HWY_TARGET_INCLUDE

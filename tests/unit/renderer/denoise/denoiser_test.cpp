@@ -98,8 +98,8 @@ TEST(Denoiser, leaves_the_film_as_it_was_where_it_is_ended) {
       std::this_thread::sleep_for(delay);
       flag = true;
     });
-    const Cancellation cancellation(&flag);
     try {
+      const Cancellation cancellation(&flag);
       denoise(film, 1);
       was_ended = false;
     } catch (const WorkCancelled&) {

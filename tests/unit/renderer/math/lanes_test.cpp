@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/targets.h"
 #include "renderer/accel/bvh_kernels.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/rounding.h"
-#include "renderer/math/targets.h"
 #include "tests/uniform_numbers.h"
 
 #undef HWY_TARGET_INCLUDE
