@@ -87,9 +87,30 @@ struct Below {
   size_t count = 0;
 };
 
+/// What all values add up to.
 struct Sums {
+  void add(const Sums& other) {
+    squares += other.squares;
+    smape += other.smape;
+    relative += other.relative;
+    picture += other.picture;
+    reference += other.reference;
+    largest = std::max(largest, other.largest);
+    not_finite += other.not_finite;
+  }
+
   double squares = 0, smape = 0, relative = 0, picture = 0, reference = 0, largest = 0;
   size_t not_finite = 0;
+};
+
+/// What those add up to that are not among the largest.
+struct Trimmed {
+  void add(const Trimmed& other) {
+    errors.add(other.errors);
+    relatives.add(other.relatives);
+  }
+
+  Below errors, relatives;
 };
 
 double relative_square(double d, double r) { return d * d / (r * r + .01); }
@@ -100,16 +121,23 @@ size_t parts_of(const Picture& picture) {
   return (picture.pixels() + kPixelsOfPart - 1) / kPixelsOfPart;
 }
 
-/// Calls work(thread, part, begin, end) for the pixels of each part on as many `threads`.
-template <typename Work>
-void for_each_part(const Picture& picture, size_t threads, const Work& work) {
+/// What visit(sums, thread, i) adds up over the values that count, by that many threads.
+template <typename Sum, typename Visit>
+Sum add_up(const Picture& picture, const PixelMask& mask, size_t threads, const Visit& visit) {
+  std::vector<Sum> of_part(parts_of(picture));
   for_each_parallel(threads, core_count(), [&](size_t thread) {
-    for (size_t part = thread; part < parts_of(picture); part += threads) {
+    for (size_t part = thread; part < of_part.size(); part += threads) {
       Cancellation::check();
       const size_t begin = part * kPixelsOfPart;
-      work(thread, part, begin, std::min(picture.pixels(), begin + kPixelsOfPart));
+      Sum sum;
+      for_each_value(begin, std::min(picture.pixels(), begin + kPixelsOfPart), mask,
+                     [&](size_t i) { visit(sum, thread, i); });
+      of_part[part] = sum;
     }
   });
+  Sum all;
+  for (const Sum& sum : of_part) all.add(sum);
+  return all;
 }
 
 }  // namespace
@@ -122,71 +150,48 @@ PictureError picture_error(const Picture& picture, const Picture& reference, con
   const size_t trimmed = values / 1000, kept = values - trimmed;
   const size_t threads = std::min(parts_of(picture), static_cast<size_t>(core_count()));
 
-  std::vector<Sums> sums(parts_of(picture));
   std::vector<Largest> errors(threads, Largest(trimmed)), relatives = errors;
-  for_each_part(picture, threads, [&](size_t thread, size_t part, size_t begin, size_t end) {
-    Sums s;
-    for_each_value(begin, end, mask, [&](size_t i) {
-      if (!std::isfinite(picture.values[i])) ++s.not_finite;
-      const double x = finite(picture.values[i]), r = finite(reference.values[i]), d = x - r;
-      const double error = std::abs(d), relative = relative_square(d, r);
-      s.squares += d * d;
-      s.smape += 2 * error / (std::abs(x) + std::abs(r) + .01);
-      s.relative += relative;
-      s.picture += x;
-      s.reference += r;
-      s.largest = std::max(s.largest, error);
-      errors[thread].add(error);
-      relatives[thread].add(relative);
-    });
-    sums[part] = s;
+  const Sums sums = add_up<Sums>(picture, mask, threads, [&](Sums& sum, size_t thread, size_t i) {
+    if (!std::isfinite(picture.values[i])) ++sum.not_finite;
+    const double x = finite(picture.values[i]), r = finite(reference.values[i]), d = x - r;
+    const double error = std::abs(d), relative = relative_square(d, r);
+    sum.squares += d * d;
+    sum.smape += 2 * error / (std::abs(x) + std::abs(r) + .01);
+    sum.relative += relative;
+    sum.picture += x;
+    sum.reference += r;
+    sum.largest = std::max(sum.largest, error);
+    errors[thread].add(error);
+    relatives[thread].add(relative);
   });
-  Sums all;
-  for (const Sums& s : sums) {
-    all.squares += s.squares;
-    all.smape += s.smape;
-    all.relative += s.relative;
-    all.picture += s.picture;
-    all.reference += s.reference;
-    all.largest = std::max(all.largest, s.largest);
-    all.not_finite += s.not_finite;
-  }
   for (size_t thread = 1; thread < threads; ++thread) {
     errors[0].add(errors[thread]);
     relatives[0].add(relatives[thread]);
   }
-
-  // Without the largest thousandth, rounded down. Of those that equal its least, some remain.
   const double least_error = errors[0].least(), least_relative = relatives[0].least();
-  std::vector<Below> errors_below(parts_of(picture)), relatives_below = errors_below;
-  for_each_part(picture, threads, [&](size_t, size_t part, size_t begin, size_t end) {
-    Below e, r;
-    for_each_value(begin, end, mask, [&](size_t i) {
-      const double truth = finite(reference.values[i]), d = finite(picture.values[i]) - truth;
-      e.add(std::abs(d), least_error);
-      r.add(relative_square(d, truth), least_relative);
-    });
-    errors_below[part] = e;
-    relatives_below[part] = r;
-  });
-  Below error_below, relative_below;
-  for (const Below& below : errors_below) error_below.add(below);
-  for (const Below& below : relatives_below) relative_below.add(below);
-  const size_t equal = kept - relative_below.count;
-  const double relative_kept =
-      relative_below.sum + (equal > 0 ? static_cast<double>(equal) * least_relative : 0);
+  const Trimmed below =
+      add_up<Trimmed>(picture, mask, threads, [&](Trimmed& sum, size_t, size_t i) {
+        const double r = finite(reference.values[i]), d = finite(picture.values[i]) - r;
+        sum.errors.add(std::abs(d), least_error);
+        sum.relatives.add(relative_square(d, r), least_relative);
+      });
+  // Of several that equal the least of the largest, some may be kept.
+  double relative_kept = below.relatives.sum;
+  if (below.relatives.count < kept) {
+    relative_kept += static_cast<double>(kept - below.relatives.count) * least_relative;
+  }
 
   const auto count = static_cast<double>(values);
   PictureError out;
-  out.mse = all.squares / count;
+  out.mse = sums.squares / count;
   out.rmse = std::sqrt(out.mse);
-  out.smape = all.smape / count;
-  out.rel_mse = all.relative / count;
+  out.smape = sums.smape / count;
+  out.rel_mse = sums.relative / count;
   out.trimmed_rel_mse = relative_kept / static_cast<double>(kept);
-  out.max_error = all.largest;
-  out.error_99_9 = error_below.count < kept ? least_error : error_below.largest;
-  out.mean_ratio = all.reference != 0 ? all.picture / all.reference : 0;
-  out.not_finite = all.not_finite;
+  out.max_error = sums.largest;
+  out.error_99_9 = below.errors.count < kept ? least_error : below.errors.largest;
+  out.mean_ratio = sums.reference != 0 ? sums.picture / sums.reference : 0;
+  out.not_finite = sums.not_finite;
   if (with_flip) out.flip = mean_flip(picture, reference, mask);
   return out;
 }
