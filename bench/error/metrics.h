@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-/// How far a picture is from the truth. Means are over the channels of all pixels that count. A
+/// How far a picture is from the reference. Means are over the channels of all pixels that count. A
 /// value that is no finite number is taken as 0 and counted.
 struct PictureError {
   double mse = 0, rmse = 0;
@@ -24,8 +24,8 @@ struct PictureError {
 PictureError picture_error(const Picture& picture, const Picture& reference,
                            const PixelMask& mask = {}, bool with_flip = true);
 
-/// The truth, in two pictures whose errors have nothing to do with each other; or one that has no
-/// error, twice.
+/// What a picture should be, in two pictures whose errors have nothing to do with each other; or
+/// one that has no error, twice.
 struct Reference {
   Picture first, second;
 
@@ -34,7 +34,7 @@ struct Reference {
   double error(const PixelMask& mask = {}) const;
 };
 
-/// The mean square of picture - truth. By (x - first)(x - second), so that the references' own
+/// The mean square of picture - reference. By (x - first)(x - second), so that the references' own
 /// noise cancels: it may be slightly below 0.
 double mean_square_error(const Picture& picture, const Reference& reference,
                          const PixelMask& mask = {});

@@ -286,10 +286,10 @@ class TileScheduler {
   std::map<WorkerId, std::vector<uint32_t>> vanished_with_;
   std::vector<Time> durations_;  ///< of completed leases, the first ones
   Time duration_sum_{};          ///< of these
-  /// What straggler_age() found, and among how many durations: it is asked for far more often than
-  /// it changes.
+  /// Among how many durations straggler_age() looked last, and what it found: it is asked for far
+  /// more often than it changes.
   mutable std::pair<size_t, Time> straggler_age_{};
-  /// What an open tile will take in the mean, and how many costs must be known to ask again.
+  /// How many costs must be known to look again what an open tile will take in the mean, and this.
   mutable std::pair<size_t, double> mean_left_{};
   std::optional<Time> lately_;  ///< how long these take now
   size_t open_tiles_;

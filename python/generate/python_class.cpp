@@ -134,6 +134,7 @@ std::string element_type(const pb::FieldDescriptor& field) {
 /// What a field is where a scene does not say; empty: its comment tells.
 std::string default_of(const pb::FieldDescriptor& field) {
   using Field = pb::FieldDescriptor;
+  if (field.real_containing_oneof() && !field.enum_type()) return "none";
   if (tells_default(comment(field)) || field.enum_type()) return "";
   const pb::Descriptor* message = field.message_type();
   if (message && message->name() == "Vec3" && !field.is_repeated()) return "0 0 0";

@@ -175,6 +175,6 @@ def seconds(name: str, value: Any) -> float:
 
 def boolean(name: str, value: Any) -> bool:
     """True or False, of numpy too; TypeError for all else."""
-    if isinstance(value, bool) or getattr(value, "dtype", None) == bool:
+    if isinstance(value, bool) or (getattr(value, "dtype", None) == bool and value.ndim == 0):
         return bool(value)
     raise TypeError(f"{name}: {value!r:.100}; expected True or False")
