@@ -45,23 +45,37 @@ TileCosts::TileCosts(const std::vector<PixelRect>& tiles, int tile_size)
 
 void TileCosts::learn_from(const TileCosts& earlier) {
   if (earlier.tiles_ != tiles_) return;
-  earlier_ = earlier.seconds_;
-  for (size_t i = 0; i < earlier_.size() && !earlier.earlier_.empty(); ++i) {
-    if (earlier_[i] < 0) earlier_[i] = earlier.earlier_[i];
+  double sum = 0;
+  size_t count = 0;
+  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    const float seconds = earlier.told(tile);
+    if (seconds < 0) continue;
+    earlier_.resize(tiles_.size(), kUnknown);
+    tell_around(tile, seconds);
+    earlier_[tile] = seconds;
+    sum += static_cast<double>(seconds);
+    ++count;
   }
-  const bool knows = std::any_of(earlier_.begin(), earlier_.end(), [](float s) { return s >= 0; });
-  if (!knows) earlier_.clear();
+  if (count > 0) earlier_mean_ = sum / static_cast<double>(count);
 }
 
 void TileCosts::note(uint32_t tile, double seconds) {
   // What is not a number is left out, and nobody has traced a tile for years.
   if (!(seconds >= 0 && seconds < 1e8)) return;
-  const bool is_new = seconds_[tile] < 0;
-  const auto before = static_cast<double>(is_new ? 0 : seconds_[tile]);
-  seconds_[tile] = static_cast<float>(seconds);
-  const double more = static_cast<double>(seconds_[tile]) - before;
-  known_ += is_new;
-  sum_ += more;
+  const auto now = static_cast<float>(seconds), before = seconds_[tile];
+  tell_around(tile, now);
+  seconds_[tile] = now;
+  known_ += before < 0;
+  sum_ += static_cast<double>(now) - static_cast<double>(std::max(0.f, before));
+}
+
+float TileCosts::told(uint32_t tile) const {
+  return seconds_[tile] >= 0 || earlier_.empty() ? seconds_[tile] : earlier_[tile];
+}
+
+void TileCosts::tell_around(uint32_t tile, float seconds) {
+  const float before = told(tile);
+  const double more = static_cast<double>(seconds) - static_cast<double>(std::max(0.f, before));
   const int columns = static_cast<int>(columns_), rows = static_cast<int>(rows_);
   for (int y = std::max(0, cell_y(tile) - kNeighbours);
        y <= std::min(rows - 1, cell_y(tile) + kNeighbours); ++y) {
@@ -70,24 +84,20 @@ void TileCosts::note(uint32_t tile, double seconds) {
       Known& near = near_[static_cast<size_t>(y) * columns_ + static_cast<size_t>(x)];
       const double weight = nearness(x - cell_x(tile), y - cell_y(tile));
       near.seconds += weight * more;
-      near.weight += is_new ? weight : 0;
+      near.weight += before < 0 ? weight : 0;
     }
   }
 }
 
 std::optional<double> TileCosts::predict(uint32_t tile) const {
-  if (seconds_[tile] >= 0) return seconds_[tile];
-  if (!earlier_.empty() && earlier_[tile] >= 0) return earlier_[tile];
-  if (known_ == 0) return std::nullopt;
+  if (const float seconds = told(tile); seconds >= 0) return seconds;
   const Known& near = near_[cell_of_[tile]];
-  return near.weight > 0 ? near.seconds / near.weight : sum_ / static_cast<double>(known_);
+  if (near.weight > 0) return near.seconds / near.weight;
+  return known_ > 0 || !earlier_.empty() ? std::optional(mean()) : std::nullopt;
 }
 
 double TileCosts::mean() const {
-  if (known_ > 0) return sum_ / static_cast<double>(known_);
-  double sum = 0;
-  for (const float seconds : earlier_) sum += static_cast<double>(std::max(0.f, seconds));
-  return earlier_.empty() ? 0 : sum / static_cast<double>(earlier_.size());
+  return known_ > 0 ? sum_ / static_cast<double>(known_) : earlier_mean_;
 }
 
 int TileCosts::rank(uint32_t tile, double mean) const {

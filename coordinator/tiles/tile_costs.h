@@ -43,6 +43,10 @@ class TileCosts {
  private:
   int cell_x(uint32_t tile) const { return static_cast<int>(cell_of_[tile] % columns_); }
   int cell_y(uint32_t tile) const { return static_cast<int>(cell_of_[tile] / columns_); }
+  /// What was noted of it or else of that of the earlier frame; below 0: nothing.
+  float told(uint32_t tile) const;
+  /// The tiles around it hear that it takes so long, and forget what it told before.
+  void tell_around(uint32_t tile, float seconds);
   double mean() const;
   /// By which power of two the tile differs from the mean.
   int rank(uint32_t tile, double mean) const;
@@ -55,7 +59,7 @@ class TileCosts {
     double seconds = 0, weight = 0;
   };
   std::vector<Known> near_;  ///< what is known around each cell
-  double sum_ = 0;
+  double sum_ = 0, earlier_mean_ = 0;
   size_t known_ = 0, next_order_ = 0;
 };
 

@@ -72,6 +72,26 @@ TEST_F(TileCostsTest, AnEarlierFrameTellsOfEachTile) {
   EXPECT_FALSE(after_nothing.predict(0));
 }
 
+TEST_F(TileCostsTest, WhatIsKnownOfAFrameThatWasPutAsideTellsOfItsOtherTilesToo) {
+  const auto first = order(costs);
+  for (size_t i = 0; i < 16; ++i) costs.note(first[i], seconds(first[i]));
+  TileCosts again(tiles, kTile);
+  again.learn_from(costs);
+  double foreseen = 0, right = 0;
+  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
+    EXPECT_EQ(again.predict(tile), costs.predict(tile)) << tile;
+    foreseen += *again.predict(tile);
+    right += seconds(tile);
+  }
+  EXPECT_NEAR(foreseen, right, .1 * right);
+  // What it takes this time counts in place of that.
+  again.note(first[0], 2 * seconds(first[0]));
+  costs.note(first[0], 2 * seconds(first[0]));
+  for (uint32_t tile = 0; tile < tiles.size(); ++tile) {
+    EXPECT_NEAR(*again.predict(tile), *costs.predict(tile), 1e-6) << tile;
+  }
+}
+
 TEST_F(TileCostsTest, TakesNoNonsense) {
   costs.note(0, std::numeric_limits<double>::quiet_NaN());
   costs.note(0, -1);
