@@ -92,7 +92,8 @@ TEST(Denoiser, leaves_the_film_as_it_was_where_it_is_ended) {
   const std::string before = film.pixels_sha256();
   bool was_ended = true;
   // Later each time, so that some rows are smooth by then, until it comes too late.
-  for (std::chrono::microseconds delay{0}; was_ended; delay += std::chrono::microseconds(200)) {
+  for (std::chrono::microseconds delay{0}; was_ended;
+       delay += delay + std::chrono::microseconds(50)) {
     std::atomic<bool> flag = false;
     const std::jthread ends_it([&] {
       std::this_thread::sleep_for(delay);
