@@ -176,8 +176,11 @@ class RenderRun {
                   fmt::format("{}; {}", failure->what(), what_was_written(report)));
     }
     try {
-      const Cancellation cancellation(&interrupted());
-      write(frame, frame.picture(result), number);
+      std::optional<Cancellation> may_end(&interrupted());
+      const RenderedPicture picture = frame.picture(result);
+      // Of several frames each is written to all of its files or to none.
+      if (number) may_end.reset();
+      write(frame, picture, number);
     } catch (const WorkCancelled&) {
       throw interruption(report);
     }
