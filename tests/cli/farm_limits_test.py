@@ -24,11 +24,6 @@ def resident_bytes(process):
     return int(re.search(r"VmRSS:\s+(\d+)", status)[1]) * 1024
 
 
-def skip(test, why):
-    print(f"SKIPPED: {why}", flush=True)
-    test.skipTest(why)
-
-
 class Limits(ServiceTest):
     def serve_with_log(self, *options, prefix=()):
         self.log = open(self.folder / "serve.log", "w")
@@ -125,7 +120,7 @@ class Memory(Limits):
 
     def setUp(self):
         if SLOWER > 1:
-            skip(self, "sanitizers need more memory than is given here")
+            self.skipTest("sanitizers need more memory than is given here")
         super().setUp()
 
     def limited(self, size):
@@ -161,7 +156,7 @@ class Memory(Limits):
             group.mkdir()
             limit.write_text(str(24 << 20))
         except OSError as error:
-            skip(self, f"a memory group is not permitted: {error}")
+            self.skipTest(f"a memory group is not permitted: {error}")
         self.addCleanup(self.remove, group)
         self.scene = self.write("hills.obj", hills(700))
         service = self.serve_with_log("--http", "127.0.0.1:0")
@@ -201,7 +196,7 @@ class Network(Limits):
             with socket.create_server(("::1", 0), family=socket.AF_INET6):
                 pass
         except OSError as error:
-            skip(self, f"no IPv6: {error}")
+            self.skipTest(f"no IPv6: {error}")
         self.endpoint = self.endpoint.replace("127.0.0.1", "[::1]")
         service, worker = self.serve_with_log(), self.worker()
         self.assertEqual(self.expected(), self.pixels(self.submit()))
@@ -211,14 +206,14 @@ class Network(Limits):
         """A network of our own, with what is set up in it; the prefix of a command inside."""
         space = f"tessera-{self.mark[:6]}-l"
         if os.geteuid() != 0 or not shutil.which("ip"):
-            skip(self, "a network namespace needs root and iproute2")
+            self.skipTest("a network namespace needs root and iproute2")
         for command in (["ip", "netns", "add", space], ["ip", "-n", space, "link", "set", "lo", "up"],
                         *[["ip", "netns", "exec", space, *step] for step in setup]):
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if command[2] == "add" and done.returncode == 0:
                 self.addCleanup(subprocess.run, ["ip", "netns", "del", space], check=False)
             if done.returncode != 0:
-                skip(self, f"{' '.join(command)}: {done.stderr.strip()}")
+                self.skipTest(f"{' '.join(command)}: {done.stderr.strip()}")
         return ("ip", "netns", "exec", space)
 
     def picture_inside(self, prefix, service, workers):
@@ -262,13 +257,13 @@ class Network(Limits):
 
     def test_the_coordinators_name_gets_another_address(self):
         if os.geteuid() != 0 or not shutil.which("unshare"):
-            skip(self, "names of our own need root and unshare")
+            self.skipTest("names of our own need root and unshare")
         port = int(self.endpoint.rpartition(":")[2])
         hosts = self.write("hosts", "127.0.0.1 coordinator.test\n")
         prefix = ("unshare", "--mount", "sh", "-c",
                   f'mount --bind "{hosts}" /etc/hosts && exec "$@"', "sh")
         if subprocess.run([*prefix, "true"], capture_output=True, check=False).returncode != 0:
-            skip(self, "a mount namespace is not permitted")
+            self.skipTest("a mount namespace is not permitted")
         service = self.serve_with_log()
         worker = self.start_in(prefix, "worker", "--connect", f"tcp://coordinator.test:{port}",
                                "--threads", 1, "--quiet")

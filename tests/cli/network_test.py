@@ -325,8 +325,7 @@ class Netem(ServiceTest):
     def permitted(self, done, what):
         if done.returncode == 0:
             return
-        print(f"SKIPPED: {what} is not permitted or not there: {done.stderr.strip()}", flush=True)
-        self.skipTest(what)
+        self.skipTest(f"{what} is not permitted or not there: {done.stderr.strip()}")
 
     @unittest.skipIf(os.geteuid() != 0 or not shutil.which("tc"), "needs root and iproute2")
     def test_loss_doubling_and_reordering(self):
@@ -405,14 +404,12 @@ class Names(ServiceTest):
         if network.stdout.readline() != "ready\n":
             network.kill()
             why = network.communicate()[1].strip()
-            print(f"SKIPPED: a network namespace is not permitted: {why}", flush=True)
-            self.skipTest("a network namespace")
+            self.skipTest(f"a network namespace is not permitted: {why}")
         self.inside = ("nsenter", "-t", str(network.pid), "-n", "-m", "--")
         for command in setup:
             done = subprocess.run([*self.inside, *command.split()], capture_output=True, text=True)
             if done.returncode != 0:
-                print(f"SKIPPED: {command}: {done.stderr.strip()}", flush=True)
-                self.skipTest(command)
+                self.skipTest(f"{command}: {done.stderr.strip()}")
         self.said = self.folder / "said.json"
         self.say(unknown=True)
         names = subprocess.Popen(

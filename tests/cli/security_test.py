@@ -180,8 +180,7 @@ class KeyedFarm(TesseraTest):
     def test_who_has_no_key_does_no_harm(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         if hard < 4096:
-            print(f"SKIPPED: {hard} open files are allowed; expected at least 4096", flush=True)
-            self.skipTest("too few open files")
+            self.skipTest(f"{hard} open files are allowed; expected at least 4096")
         resource.setrlimit(resource.RLIMIT_NOFILE, (4096, hard))
         self.addCleanup(resource.setrlimit, resource.RLIMIT_NOFILE, (soft, hard))
         self.serve()
@@ -431,8 +430,7 @@ class KeyedFarm(TesseraTest):
         def ip(*arguments):
             return subprocess.run(["ip", *arguments], capture_output=True, text=True)
         if os.geteuid() != 0 or not shutil.which("ip") or ip("netns", "add", spaces[0]).returncode != 0:
-            print("SKIPPED: network namespaces are not permitted here (they need root)", flush=True)
-            self.skipTest("no network namespaces")
+            self.skipTest("network namespaces are not permitted here (they need root)")
         self.addCleanup(ip, "netns", "del", spaces[0])
         self.addCleanup(ip, "netns", "del", spaces[1])
         steps = [["netns", "add", spaces[1]],
@@ -445,8 +443,7 @@ class KeyedFarm(TesseraTest):
         for step in steps:
             done = ip(*step)
             if done.returncode != 0:
-                print(f"SKIPPED: ip {' '.join(step)}: {done.stderr}", flush=True)
-                self.skipTest("no network of our own")
+                self.skipTest(f"ip {' '.join(step)}: {done.stderr}")
         inside = [("ip", "netns", "exec", space) for space in spaces]
         self.serve(bind="tcp://10.231.77.1:7117", prefix=inside[0])
         self.assertEqual("tcp://10.231.77.1:7117", self.endpoint)

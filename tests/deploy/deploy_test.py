@@ -190,7 +190,6 @@ class Files(TesseraTest):
         scripts = [str(path) for path in self.scripts()]
         self.assertEqual(0, subprocess.run(["bash", "-n", *scripts]).returncode)
         if not shutil.which("shellcheck"):
-            print("SKIPPED: shellcheck is not installed", flush=True)
             self.skipTest("shellcheck is not installed")
         checked = subprocess.run(["shellcheck", "--external-sources", "--shell=bash",
                                   f"--source-path={ROOT}:SCRIPTDIR", *scripts], capture_output=True, text=True)
@@ -198,8 +197,7 @@ class Files(TesseraTest):
 
     def test_units_are_sound(self):
         if not shutil.which("systemd-analyze"):
-            print("SKIPPED: systemd-analyze is not installed", flush=True)
-            self.skipTest("systemd is not installed")
+            self.skipTest("systemd-analyze is not installed")
         for unit in (DEPLOY / "systemd").glob("*.service"):
             name = unit.name.replace("@", "@farm")
             copy = self.write(name, unit.read_text().replace("/usr/bin/tessera", PROGRAM))
@@ -309,9 +307,8 @@ fi
     def test_schemas(self):
         modules, kubectl = os.environ.get("TESSERA_KUBERNETES_MODELS"), shutil.which("kubectl")
         if not modules or not kubectl:
-            print("SKIPPED: TESSERA_KUBERNETES_MODELS names no folder of schemas "
-                  "(docs/notes/deploy_tried.md), or there is no kubectl", flush=True)
-            self.skipTest("TESSERA_KUBERNETES_MODELS names no schemas, or there is no kubectl")
+            self.skipTest("TESSERA_KUBERNETES_MODELS names no folder of schemas "
+                          "(docs/notes/deploy_tried.md), or there is no kubectl")
         for folder in ("base", "standing", "autoscaled", "batch"):
             with self.subTest(folder=folder):
                 built = subprocess.run([kubectl, "kustomize", DEPLOY / "kubernetes" / folder],

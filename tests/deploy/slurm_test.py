@@ -99,9 +99,8 @@ class SlurmTest(TesseraTest):
         super().setUp()
         missing = [program for program in NEEDED if not shutil.which(program)]
         if os.environ.get("TESSERA_TEST_SLURM") != "1" or os.geteuid() != 0 or missing:
-            print("SKIPPED: Slurm is run where TESSERA_TEST_SLURM=1, as root, with slurm-wlm and munge; "
-                  f"missing: {missing}", flush=True)
-            self.skipTest("Slurm is not installed")
+            self.skipTest("Slurm is run where TESSERA_TEST_SLURM=1, as root, with slurm-wlm and munge; "
+                          f"missing: {missing}")
         private = pathlib.Path(tempfile.mkdtemp(prefix="tessera-slurm-"))
         self.addCleanup(shutil.rmtree, private, ignore_errors=True)
         self.cluster = Cluster(private)

@@ -6,6 +6,8 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -249,7 +251,7 @@ TEST_F(StudioSaving, OnASmallFileSystemTheOldFileIsWhole) {
   const fs::path small = root_.path() / "small";
   fs::create_directory(small);
   if (mount("none", small.c_str(), "tmpfs", 0, "size=64k") != 0)
-    GTEST_SKIP() << "it takes root to mount";
+    GTEST_SKIP() << "no small disk can be mounted here, by root alone: " << std::strerror(errno);
   {
     const Folder folder(small);
     folder.create("a.tessera", std::string(30000, 'o'));
