@@ -61,6 +61,19 @@ void for_each_parallel(size_t count, int threads, const Work& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
+/// Calls work(thread, i) for every i below `count`, on `threads` threads at most, numbered from 0:
+/// for work that keeps something for each thread.
+template <typename Work>
+void for_each_of_thread(size_t count, int threads, const Work& work) {
+  const size_t lanes = std::min(count, static_cast<size_t>(std::max(threads, 1)));
+  for_each_parallel(lanes, threads, [&](size_t thread) {
+    for (size_t i = thread; i < count; i += lanes) {
+      Cancellation::check();
+      work(thread, i);
+    }
+  });
+}
+
 /// Calls work(begin, end) for pieces of `length`, the last may be shorter, of 0 to `count`. Where
 /// they are depends on nothing else, so that neither does what is made of each.
 template <typename Work>

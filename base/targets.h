@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 
@@ -49,8 +50,20 @@ inline bool machine_has(int64_t target) {
   return false;
 }
 
-/// That of the instruction set that Highway calls `name`, as BvhKernels::name; any other name is
-/// refused by a check.
+/// What was compiled for the instruction sets that this machine has, the best first.
+template <typename Code>
+std::vector<Code> codes_of_machine(std::initializer_list<TargetCode<Code>> each) {
+  std::vector<Code> codes;
+  for (const auto& [target, code] : each)
+    if (machine_has(target)) codes.push_back(code);
+  return codes;
+}
+template <typename Code>
+Code best_code_of_machine(std::initializer_list<TargetCode<Code>> each) {
+  return codes_of_machine(each).front();
+}
+
+/// That of the instruction set that Highway calls `name`; any other name is refused by a check.
 template <typename Code>
 Code code_of_target(std::initializer_list<TargetCode<Code>> each, std::string_view name) {
   const auto found = std::ranges::find(

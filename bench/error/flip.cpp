@@ -10,10 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/cancellation.h"
 #include "base/core_count.h"
 #include "base/parallel.h"
-#include "bench/error/add_weighted.h"
+#include "bench/error/weighted_sum.h"
 
 namespace tessera {
 namespace {
@@ -136,13 +135,13 @@ void filter(const Rows& in, size_t height, const Kernel& along_x, const Kernel& 
     std::fill_n(line.begin(), radius, row[0]);
     std::copy_n(row, width, line.begin() + static_cast<std::ptrdiff_t>(radius));
     std::fill_n(line.rbegin(), radius, row[width - 1]);
-    add_weighted(half.row(y), width, along_x, rows);
+    weighted_sum(half.row(y), width, along_x, rows);
   }
   for (size_t y = out.first; y < out.end; ++y) {
     for (size_t k = 0; k < along_y.size(); ++k) {
       rows[k] = half.row(std::clamp(y + k, radius, radius + height - 1) - radius);
     }
-    add_weighted(out.row(y), width, along_y, rows);
+    weighted_sum(out.row(y), width, along_y, rows);
   }
 }
 
@@ -215,10 +214,10 @@ struct Filters {
   size_t reach = 0;  ///< of the widest, in pixels
 };
 
-/// All that FLIP wants to know of some rows of one picture, with buffers that serve for others.
-class Seen {
+/// What FLIP compares, of some rows of one picture; its buffers serve for other rows later.
+class FlipFeatures {
  public:
-  Seen(const Picture& picture, const Filters& filters, size_t most_rows)
+  FlipFeatures(const Picture& picture, const Filters& filters, size_t most_rows)
       : picture_(picture),
         filters_(filters),
         width_(static_cast<size_t>(picture.width)),
@@ -230,13 +229,13 @@ class Seen {
       *rows = Rows(width_, most_rows);
   }
 
-  void look(size_t begin, size_t end) {
+  void compute(size_t begin, size_t end) {
     read(begin - std::min(begin, filters_.reach), std::min(height_, end + filters_.reach));
     for (Rows* rows : {&colors[0], &colors[1], &colors[2], &edges, &points, &part_})
       rows->set(begin, end);
-    find(filters_.edge, edges);
-    find(filters_.point, points);
-    for (size_t c = 0; c < 3; ++c) see(filters_.opponent[c], opponent_[c], colors[c]);
+    detect(filters_.edge, edges);
+    detect(filters_.point, points);
+    for (size_t c = 0; c < 3; ++c) filter_contrast(filters_.opponent[c], opponent_[c], colors[c]);
     for (size_t y = begin; y < end; ++y)
       to_lab(colors[0].row(y), colors[1].row(y), colors[2].row(y));
   }
@@ -265,7 +264,7 @@ class Seen {
     }
   }
 
-  void find(const Kernel& derivative, Rows& out) {
+  void detect(const Kernel& derivative, Rows& out) {
     filter(luminance_, height_, derivative, filters_.smooth, half_, out);
     filter(luminance_, height_, filters_.smooth, derivative, half_, part_);
     for (size_t y = out.first; y < out.end; ++y) {
@@ -276,7 +275,7 @@ class Seen {
     }
   }
 
-  void see(const Sensitivity& sensitivity, const Rows& in, Rows& out) {
+  void filter_contrast(const Sensitivity& sensitivity, const Rows& in, Rows& out) {
     for (size_t term = 0; term < sensitivity.kernels.size(); ++term) {
       const Kernel& kernel = sensitivity.kernels[term];
       filter(in, height_, kernel, kernel, half_, part_);
@@ -332,25 +331,26 @@ std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_pe
   const Filters filters(pixels_per_degree);
   const auto width = static_cast<size_t>(a.width), height = static_cast<size_t>(a.height);
   const size_t bands = (height + kBand - 1) / kBand;
-  const size_t threads = std::min(bands, static_cast<size_t>(core_count()));
+  const auto buffers = [&](const Picture& of) {
+    const size_t threads = std::min(bands, static_cast<size_t>(core_count()));
+    return std::vector<FlipFeatures>(threads, {of, filters, kBand});
+  };
+  std::vector<FlipFeatures> all_first = buffers(a), all_second = buffers(b);
   std::vector<float> out(a.pixels());
-  for_each_parallel(threads, core_count(), [&](size_t thread) {
-    Seen first(a, filters, kBand), second(b, filters, kBand);
-    for (size_t band = thread; band < bands; band += threads) {
-      Cancellation::check();
-      const size_t begin = band * kBand, end = std::min(height, begin + kBand);
-      first.look(begin, end);
-      second.look(begin, end);
-      for (size_t y = begin; y < end; ++y) {
-        for (size_t x = 0; x < width; ++x) {
-          const float difference =
-              std::max(std::abs(first.edges.row(y)[x] - second.edges.row(y)[x]),
-                       std::abs(first.points.row(y)[x] - second.points.row(y)[x]));
-          const float features =
-              std::clamp(std::sqrt(difference / std::numbers::sqrt2_v<float>), 0.F, 1.F);
-          out[y * width + x] =
-              std::pow(color_error(first.color(y, x), second.color(y, x)), 1 - features);
-        }
+  for_each_of_thread(bands, core_count(), [&](size_t thread, size_t band) {
+    FlipFeatures &first = all_first[thread], &second = all_second[thread];
+    const size_t begin = band * kBand, end = std::min(height, begin + kBand);
+    first.compute(begin, end);
+    second.compute(begin, end);
+    for (size_t y = begin; y < end; ++y) {
+      for (size_t x = 0; x < width; ++x) {
+        const float difference =
+            std::max(std::abs(first.edges.row(y)[x] - second.edges.row(y)[x]),
+                     std::abs(first.points.row(y)[x] - second.points.row(y)[x]));
+        const float features =
+            std::clamp(std::sqrt(difference / std::numbers::sqrt2_v<float>), 0.F, 1.F);
+        out[y * width + x] =
+            std::pow(color_error(first.color(y, x), second.color(y, x)), 1 - features);
       }
     }
   });

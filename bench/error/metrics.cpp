@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 
-#include "base/cancellation.h"
 #include "base/core_count.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -50,7 +49,7 @@ class Largest {
   void add(const Largest& others) {
     for (const double value : others.values_) add(value);
   }
-  /// The least of them, of which there are enough; infinite if none is asked for.
+  /// The least of them, once there are enough; infinite if none is asked for.
   double least() {
     if (most_ > 0) drop_rest();
     return least_;
@@ -115,25 +114,18 @@ struct Trimmed {
 
 double relative_square(double d, double r) { return d * d / (r * r + .01); }
 
-/// Parts of a picture that depend on nothing but its size, and neither do sums over them then.
-constexpr size_t kPixelsOfPart = size_t{1} << 16;
-size_t parts_of(const Picture& picture) {
-  return (picture.pixels() + kPixelsOfPart - 1) / kPixelsOfPart;
-}
-
-/// What visit(sums, thread, i) adds up over the values that count, by that many threads.
+/// What visit(sums, thread, i) adds up over the values that count.
 template <typename Sum, typename Visit>
-Sum add_up(const Picture& picture, const PixelMask& mask, size_t threads, const Visit& visit) {
-  std::vector<Sum> of_part(parts_of(picture));
-  for_each_parallel(threads, core_count(), [&](size_t thread) {
-    for (size_t part = thread; part < of_part.size(); part += threads) {
-      Cancellation::check();
-      const size_t begin = part * kPixelsOfPart;
-      Sum sum;
-      for_each_value(begin, std::min(picture.pixels(), begin + kPixelsOfPart), mask,
-                     [&](size_t i) { visit(sum, thread, i); });
-      of_part[part] = sum;
-    }
+Sum add_up(const Picture& picture, const PixelMask& mask, const Visit& visit) {
+  // Parts that depend on the size of the picture alone, and so do the sums then.
+  constexpr size_t kPixelsOfPart = size_t{1} << 16;
+  std::vector<Sum> of_part((picture.pixels() + kPixelsOfPart - 1) / kPixelsOfPart);
+  for_each_of_thread(of_part.size(), core_count(), [&](size_t thread, size_t part) {
+    const size_t begin = part * kPixelsOfPart;
+    Sum sum;
+    for_each_value(begin, std::min(picture.pixels(), begin + kPixelsOfPart), mask,
+                   [&](size_t i) { visit(sum, thread, i); });
+    of_part[part] = sum;
   });
   Sum all;
   for (const Sum& sum : of_part) all.add(sum);
@@ -148,10 +140,9 @@ PictureError picture_error(const Picture& picture, const Picture& reference, con
   const size_t values = for_each_value(0, picture.pixels(), mask, [](size_t) {});
   TESSERA_CHECK(values > 0, "no pixel counts");
   const size_t trimmed = values / 1000, kept = values - trimmed;
-  const size_t threads = std::min(parts_of(picture), static_cast<size_t>(core_count()));
-
-  std::vector<Largest> errors(threads, Largest(trimmed)), relatives = errors;
-  const Sums sums = add_up<Sums>(picture, mask, threads, [&](Sums& sum, size_t thread, size_t i) {
+  std::vector<Largest> errors(static_cast<size_t>(core_count()), Largest(trimmed));
+  std::vector<Largest> relatives = errors;
+  const Sums sums = add_up<Sums>(picture, mask, [&](Sums& sum, size_t thread, size_t i) {
     if (!std::isfinite(picture.values[i])) ++sum.not_finite;
     const double x = finite(picture.values[i]), r = finite(reference.values[i]), d = x - r;
     const double error = std::abs(d), relative = relative_square(d, r);
@@ -164,17 +155,16 @@ PictureError picture_error(const Picture& picture, const Picture& reference, con
     errors[thread].add(error);
     relatives[thread].add(relative);
   });
-  for (size_t thread = 1; thread < threads; ++thread) {
+  for (size_t thread = 1; thread < errors.size(); ++thread) {
     errors[0].add(errors[thread]);
     relatives[0].add(relatives[thread]);
   }
   const double least_error = errors[0].least(), least_relative = relatives[0].least();
-  const Trimmed below =
-      add_up<Trimmed>(picture, mask, threads, [&](Trimmed& sum, size_t, size_t i) {
-        const double r = finite(reference.values[i]), d = finite(picture.values[i]) - r;
-        sum.errors.add(std::abs(d), least_error);
-        sum.relatives.add(relative_square(d, r), least_relative);
-      });
+  const Trimmed below = add_up<Trimmed>(picture, mask, [&](Trimmed& sum, size_t, size_t i) {
+    const double r = finite(reference.values[i]), d = finite(picture.values[i]) - r;
+    sum.errors.add(std::abs(d), least_error);
+    sum.relatives.add(relative_square(d, r), least_relative);
+  });
   // Of several that equal the least of the largest, some may be kept.
   double relative_kept = below.relatives.sum;
   if (below.relatives.count < kept) {

@@ -359,9 +359,9 @@ std::vector<TileSnapshot> ActiveFrame::tiles(Time now) const {
   return result;
 }
 
-uint64_t ActiveFrame::traced() const {
+TileWork ActiveFrame::traced() const {
   const uint64_t done = assembler_.tiles_done(), others = report_.tiles_restored + report_.filled;
-  return done - std::min(done, others);
+  return {done - std::min(done, others), scheduler_.costs().known().seconds};
 }
 
 void ActiveFrame::fail(ExitCode code, std::string why) {

@@ -170,7 +170,7 @@ class ActiveFrame {
   const FrameTrace& trace() const { return trace_; }
   std::vector<TileSnapshot> tiles(Time now) const;
   /// Tiles that are done and were traced since it was begun.
-  uint64_t traced() const;
+  TileWork traced() const;
   /// Ends it: later calls change nothing.
   void fail(ExitCode code, std::string why);
   void interrupt();

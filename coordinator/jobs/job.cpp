@@ -99,8 +99,7 @@ void Job::stop(uint32_t frame) {
   const auto is_it = [frame](const Running& running) { return running.frame == frame; };
   const auto it = std::find_if(running_.begin(), running_.end(), is_it);
   if (it == running_.end()) return;
-  traced_before_.tiles += it->active->traced();
-  traced_before_.seconds += it->active->scheduler().costs().known().seconds;
+  traced_before_ += it->active->traced();
   running_.erase(it);
 }
 
@@ -178,10 +177,7 @@ void Job::reopen(uint32_t frame, uint64_t stored) {
 
 TileWork Job::traced() const {
   TileWork work = traced_before_;
-  for (const Running& running : running_) {
-    work.tiles += running.active->traced();
-    work.seconds += running.active->scheduler().costs().known().seconds;
-  }
+  for (const Running& running : running_) work += running.active->traced();
   return work;
 }
 
@@ -189,12 +185,10 @@ TileWork Job::left(uint64_t tiles) const {
   TileWork begun, seen = last_costs_ ? last_costs_->known() : TileWork{};
   for (const Running& running : running_) {
     const TileScheduler& scheduler = running.active->scheduler();
-    const TileWork known = scheduler.costs().known(), left = scheduler.left();
-    begun.tiles += left.tiles;
-    begun.seconds += left.seconds;
-    seen.tiles += known.tiles + left.tiles;
-    seen.seconds += known.seconds + left.seconds;
+    begun += scheduler.left();
+    seen += scheduler.costs().known();
   }
+  seen += begun;
   // The other frames' tiles are as those of the frames that were seen, in the mean.
   const uint64_t others = tiles - std::min(tiles, begun.tiles);
   const double mean = seen.seconds / static_cast<double>(std::max<uint64_t>(1, seen.tiles));

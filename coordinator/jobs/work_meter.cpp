@@ -15,7 +15,7 @@ constexpr uint64_t kEnough = 32;
 }  // namespace
 
 void WorkMeter::account(Time now, bool works, TileWork traced, uint64_t total) {
-  // Tiles that do not count any more take the time that they took along.
+  // Where tiles were taken back, the time spent on them belongs to the tiles before.
   while (marks_.size() > 1 && marks_.back().traced.tiles > traced.tiles) marks_.pop_back();
   const uint64_t step = std::max<uint64_t>(1, total / kSteps);
   if (traced.tiles >= marks_.back().traced.tiles + step) marks_.push_back({worked_, traced});

@@ -14,6 +14,12 @@ namespace tessera {
 struct TileWork {
   uint64_t tiles = 0;
   double seconds = 0;
+
+  TileWork& operator+=(const TileWork& other) {
+    tiles += other.tiles;
+    seconds += other.seconds;
+    return *this;
+  }
 };
 
 /// What the tiles of a frame will take, in seconds of one thread: what they took in an earlier

@@ -343,8 +343,8 @@ namespace {
 
 std::vector<BvhKernels> kernels_of_machine() {
   std::vector<BvhKernels> list;
-  for (const auto& [target, code] : TESSERA_EACH_TARGET(kernels_of_target))
-    if (machine_has(target)) list.push_back(code());
+  for (const auto& kernels : codes_of_machine(TESSERA_EACH_TARGET(kernels_of_target)))
+    list.push_back(kernels());
   return list;
 }
 

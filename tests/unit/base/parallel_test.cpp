@@ -17,6 +17,21 @@ TEST(Parallel, DoesEachOnce) {
   for_each_parallel(0, 4, [](size_t) { FAIL(); });
 }
 
+TEST(Parallel, NothingOfOneThreadIsUsedByTwo) {
+  for (const int threads : {0, 1, 3, 200}) {
+    std::vector<std::atomic<int>> done(100);
+    std::vector<std::atomic<int>> users(100);
+    for_each_of_thread(done.size(), threads, [&](size_t thread, size_t i) {
+      ASSERT_LT(thread, static_cast<size_t>(std::max(threads, 1)));
+      ASSERT_EQ(users[thread]++, 0);
+      ++done[i];
+      --users[thread];
+    });
+    for (const auto& count : done) EXPECT_EQ(count, 1);
+  }
+  for_each_of_thread(0, 4, [](size_t, size_t) { FAIL(); });
+}
+
 TEST(Parallel, ThrowsTheFirstOfTheFailures) {
   for (int round = 0; round < 50; ++round) {
     std::string what;

@@ -9,6 +9,7 @@
 #include "bench/error/difference.h"
 #include "bench/error/flip.h"
 #include "bench/error/ssim.h"
+#include "bench/error/weighted_sum.h"
 
 namespace tessera {
 namespace {
@@ -53,6 +54,20 @@ TEST(ErrorMetrics, TrimmingTakesTheLargestThousandthOnly) {
   EXPECT_NEAR(e.trimmed_rel_mse, 1000 * .25 / 1.01 / 2997, 1e-8);
   EXPECT_EQ(e.max_error, 100);
   EXPECT_EQ(e.error_99_9, .5);
+}
+
+TEST(ErrorMetrics, WeightedSumsHaveTheBitsOfPlainLoops) {
+  const Picture values = noise(40, 40, 9, .5, 1);
+  const std::vector<float> weights{.1F, .7F, -.3F, .25F, 1e-3F};
+  for (size_t count = 0; count < 200; ++count) {
+    std::vector<const float*> rows;
+    for (size_t k = 0; k < weights.size(); ++k) rows.push_back(&values.values[300 * k + k]);
+    std::vector<float> sums(count), expected(count);
+    weighted_sum(sums.data(), count, weights, rows);
+    for (size_t x = 0; x < count; ++x)
+      for (size_t k = 0; k < weights.size(); ++k) expected[x] += weights[k] * rows[k][x];
+    ASSERT_EQ(sums, expected) << count;
+  }
 }
 
 TEST(ErrorMetrics, SimilarityOfFlatPicturesIsThatOfTheirMeans) {

@@ -64,7 +64,7 @@ class History {
     threads_ = 1 + draw(std::max<uint64_t>(1, tiles_ / 40));
     tile_ = milliseconds(10 + draw(5000));
     for (uint64_t i = 0; i < tiles_; ++i) costs_.push_back(1 << draw(7));
-    // One of sixteen tells of the others, of which costly ones come first.
+    // After one of sixteen, which tell of the others, costly ones come first.
     std::sort(costs_.begin() + static_cast<std::ptrdiff_t>(tiles_ / 16), costs_.end(),
               std::greater<>());
     if (draw(4) == 0) {

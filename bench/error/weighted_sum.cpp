@@ -1,13 +1,10 @@
-#include "bench/error/add_weighted.h"
-
-#include <algorithm>
-#include <array>
+#include "bench/error/weighted_sum.h"
 
 #include "base/targets.h"
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "bench/error/add_weighted.cpp"
+#define HWY_TARGET_INCLUDE "bench/error/weighted_sum.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -16,7 +13,7 @@ namespace tessera {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-void add_rows(float* out, size_t count, std::span<const float> weights,
+void sum_rows(float* out, size_t count, std::span<const float> weights,
               std::span<const float* const> rows) {
   const hn::ScalableTag<float> tag;
   const size_t lanes = hn::Lanes(tag);
@@ -48,22 +45,10 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tessera {
-namespace {
-
-auto best_for_this_machine() {
-  const auto each = std::to_array<TargetCode<decltype(&HWY_STATIC_DISPATCH(add_rows))>>(
-      TESSERA_EACH_TARGET(add_rows));
-  return std::find_if(each.begin(), each.end(),
-                      [](const auto& of) { return machine_has(of.target); })
-      ->code;
-}
-
-}  // namespace
-
-void add_weighted(float* out, size_t count, std::span<const float> weights,
+void weighted_sum(float* out, size_t count, std::span<const float> weights,
                   std::span<const float* const> rows) {
-  static const auto add = best_for_this_machine();
-  add(out, count, weights, rows);
+  static const auto sum = best_code_of_machine(TESSERA_EACH_TARGET(sum_rows));
+  sum(out, count, weights, rows);
 }
 
 }  // namespace tessera
