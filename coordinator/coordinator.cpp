@@ -15,6 +15,8 @@ namespace tessera {
 namespace {
 
 constexpr Time kTick = std::chrono::milliseconds(100);
+/// Of the time for which a job was worked on, so much at most is lost with this process.
+constexpr Time kTimesKept = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -213,6 +215,7 @@ void Coordinator::on_tick(Time now) {
   if (!first_tick_) first_tick_ = now;
   jobs_->account(now);
   jobs_->keep_rest();
+  jobs_->keep_times(kTimesKept);
   if (jobs_->running().empty()) jobs_->tidy();
   tell_trouble();
   workers_->on_tick(now);
@@ -293,6 +296,7 @@ bool Coordinator::drained() const {
 }
 
 void Coordinator::shut_down(const std::string& reason) {
+  jobs_->keep_times(Time{0});
   workers_->shut_down(reason);
   clients_->close(reason);
 }

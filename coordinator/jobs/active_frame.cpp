@@ -53,6 +53,10 @@ v1::JobStart start_of(const FrameName& name, const std::string& frame_id, const 
   return start;
 }
 
+double seconds_of(const v1::TileBand& last) {
+  return static_cast<double>(last.trace_microseconds()) * 1e-6;
+}
+
 }  // namespace
 
 Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const PixelRect& crop) {
@@ -101,6 +105,9 @@ ActiveFrame::ActiveFrame(const FrameName& name, JobSpec& spec, Prepared prepared
 void ActiveFrame::restore(const std::vector<FinishedTile>& kept) {
   const std::vector<uint32_t> restored =
       assembler_.restore(kept, [this](uint32_t tile, const FinishedTile& finished) {
+        for (const v1::TileBand& band : finished.kept.bands()) {
+          if (seconds_of(band) > 0) scheduler_.costs().learn(tile, seconds_of(band));
+        }
         WorkerId from = kFromStore;
         for (const std::string& key : finished.kept.tracers()) {
           from = keys_.note_stored(key);
@@ -135,6 +142,9 @@ void ActiveFrame::keep_rest() {
       for (v1::TileBand& band : assembler_.bands_of(next)) {
         *finished.kept.add_bands() = std::move(band);
       }
+      const double seconds = scheduler_.costs().told(next).value_or(0);
+      finished.kept.mutable_bands()->rbegin()->set_trace_microseconds(
+          static_cast<uint64_t>(std::llround(seconds * 1e6)));
       finished.kept.set_tile_size(static_cast<uint32_t>(tile_size_));
       std::set<std::string> tracers;
       for (const WorkerId by : verifier_.traced_by(next)) tracers.insert(keys_.key_of(by));
@@ -209,9 +219,8 @@ SchedulerEvents ActiveFrame::retrace(uint32_t tile) {
 
 void ActiveFrame::note_cost(const v1::TileBand& band) {
   if (!band.last() || band.trace_microseconds() == 0) return;
-  const double seconds = static_cast<double>(band.trace_microseconds()) * 1e-6;
   // A part tells of the whole.
-  scheduler_.costs().note(band.tile(), seconds * TilePiece::of(band.lease()).parts);
+  scheduler_.costs().note(band.tile(), seconds_of(band) * TilePiece::of(band.lease()).parts);
 }
 
 bool ActiveFrame::is_sound(const v1::SceneReady::Unseen& unseen) const {

@@ -118,6 +118,9 @@ class JobTable {
   std::string store_trouble() const;
   /// Tries again to keep what the store did not take.
   void keep_rest();
+  /// Keeps how long jobs were worked on, of each for which that is at least so much more than what
+  /// is kept of it.
+  void keep_times(Time least);
   /// As JobStore::tidy().
   void tidy() { store_->tidy(); }
 

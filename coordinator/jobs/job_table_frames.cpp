@@ -476,6 +476,20 @@ void JobTable::keep_rest() {
   }
 }
 
+void JobTable::keep_times(Time least) {
+  try {
+    for (const auto& [id, job] : open_) {
+      const double more = job->worked_seconds() - job->kept().worked_seconds();
+      if (job->local() || !(more > 0) || more < to_seconds(least)) continue;
+      v1::KeptJob changed = kept_now(*job);
+      store_->save(changed);
+      job->kept() = std::move(changed);
+    }
+  } catch (const Error&) {
+    // It is tried again; what else cannot be kept says why.
+  }
+}
+
 std::string JobTable::store_trouble() const {
   if (!trouble_.empty()) return trouble_;
   for (const auto& [id, job] : open_) {

@@ -20,6 +20,9 @@ constexpr int kLeastRank = -2, kMostRank = 4;
 /// How much a tile that many columns and rows away tells of another.
 double nearness(int x, int y) { return std::exp(-(x * x + y * y) / 1.5); }
 
+/// What is not a number is left out, and nobody has traced a tile for years.
+bool is_possible(double seconds) { return seconds >= 0 && seconds < 1e8; }
+
 }  // namespace
 
 TileCosts::TileCosts(const std::vector<PixelRect>& tiles, int tile_size)
@@ -45,23 +48,23 @@ TileCosts::TileCosts(const std::vector<PixelRect>& tiles, int tile_size)
 
 void TileCosts::learn_from(const TileCosts& earlier) {
   if (earlier.tiles_ != tiles_) return;
-  double sum = 0;
-  size_t count = 0;
   for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
-    const float seconds = earlier.told(tile);
-    if (seconds < 0) continue;
-    earlier_.resize(tiles_.size(), kUnknown);
-    tell_around(tile, seconds);
-    earlier_[tile] = seconds;
-    sum += static_cast<double>(seconds);
-    ++count;
+    if (const auto seconds = earlier.told(tile)) learn(tile, *seconds);
   }
-  if (count > 0) earlier_mean_ = sum / static_cast<double>(count);
+}
+
+void TileCosts::learn(uint32_t tile, double seconds) {
+  if (!is_possible(seconds)) return;
+  earlier_.resize(tiles_.size(), kUnknown);
+  const auto now = static_cast<float>(seconds), before = earlier_[tile];
+  if (seconds_[tile] < 0) tell_around(tile, now);
+  earlier_[tile] = now;
+  learned_ += before < 0;
+  earlier_sum_ += static_cast<double>(now) - static_cast<double>(std::max(0.f, before));
 }
 
 void TileCosts::note(uint32_t tile, double seconds) {
-  // What is not a number is left out, and nobody has traced a tile for years.
-  if (!(seconds >= 0 && seconds < 1e8)) return;
+  if (!is_possible(seconds)) return;
   const auto now = static_cast<float>(seconds), before = seconds_[tile];
   tell_around(tile, now);
   seconds_[tile] = now;
@@ -69,13 +72,14 @@ void TileCosts::note(uint32_t tile, double seconds) {
   sum_ += static_cast<double>(now) - static_cast<double>(std::max(0.f, before));
 }
 
-float TileCosts::told(uint32_t tile) const {
-  return seconds_[tile] >= 0 || earlier_.empty() ? seconds_[tile] : earlier_[tile];
+std::optional<double> TileCosts::told(uint32_t tile) const {
+  const float seconds = seconds_[tile] >= 0 || earlier_.empty() ? seconds_[tile] : earlier_[tile];
+  return seconds < 0 ? std::nullopt : std::optional<double>(seconds);
 }
 
 void TileCosts::tell_around(uint32_t tile, float seconds) {
-  const float before = told(tile);
-  const double more = static_cast<double>(seconds) - static_cast<double>(std::max(0.f, before));
+  const auto before = told(tile);
+  const double more = static_cast<double>(seconds) - before.value_or(0);
   const int columns = static_cast<int>(columns_), rows = static_cast<int>(rows_);
   for (int y = std::max(0, cell_y(tile) - kNeighbours);
        y <= std::min(rows - 1, cell_y(tile) + kNeighbours); ++y) {
@@ -84,20 +88,21 @@ void TileCosts::tell_around(uint32_t tile, float seconds) {
       Known& near = near_[static_cast<size_t>(y) * columns_ + static_cast<size_t>(x)];
       const double weight = nearness(x - cell_x(tile), y - cell_y(tile));
       near.seconds += weight * more;
-      near.weight += before < 0 ? weight : 0;
+      near.weight += before ? 0 : weight;
     }
   }
 }
 
 std::optional<double> TileCosts::predict(uint32_t tile) const {
-  if (const float seconds = told(tile); seconds >= 0) return seconds;
+  if (const auto seconds = told(tile)) return seconds;
   const Known& near = near_[cell_of_[tile]];
   if (near.weight > 0) return near.seconds / near.weight;
   return known_ > 0 || !earlier_.empty() ? std::optional(mean()) : std::nullopt;
 }
 
 double TileCosts::mean() const {
-  return known_ > 0 ? sum_ / static_cast<double>(known_) : earlier_mean_;
+  return known_ > 0 ? sum_ / static_cast<double>(known_)
+                    : earlier_sum_ / static_cast<double>(std::max<size_t>(1, learned_));
 }
 
 int TileCosts::rank(uint32_t tile, double mean) const {
@@ -110,8 +115,9 @@ int TileCosts::rank(uint32_t tile, double mean) const {
 void TileCosts::put_in_order(std::deque<uint32_t>& tiles) {
   const size_t count = tiles_.size();
   // After the probes, and then each time that twice as much is known.
-  next_order_ = known_ == 0 ? std::max<size_t>(1, count / (kProbes * kProbes)) : 2 * known_;
-  if (next_order_ > count / 2 || !earlier_.empty()) next_order_ = ~size_t{0};
+  const size_t known = std::max(known_, learned_);
+  next_order_ = known == 0 ? std::max<size_t>(1, count / (kProbes * kProbes)) : 2 * known;
+  if (next_order_ > count / 2) next_order_ = ~size_t{0};
   if (count < kFewTiles) return;
   const double mean_cost = mean();
   std::vector<std::pair<int, uint32_t>> order;

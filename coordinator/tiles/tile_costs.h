@@ -32,8 +32,12 @@ class TileCosts {
 
   /// An earlier frame tells, if its tiles are the same.
   void learn_from(const TileCosts& earlier);
+  /// As much of an earlier frame: that tile took so long.
+  void learn(uint32_t tile, double seconds);
   /// That tile, or so large a share of it, has taken so long.
   void note(uint32_t tile, double seconds);
+  /// What note() or learn() told of that tile; nothing: neither did.
+  std::optional<double> told(uint32_t tile) const;
   /// Nothing while nothing is known.
   std::optional<double> predict(uint32_t tile) const;
   /// The tiles of this frame that note() told of.
@@ -49,8 +53,6 @@ class TileCosts {
  private:
   int cell_x(uint32_t tile) const { return static_cast<int>(cell_of_[tile] % columns_); }
   int cell_y(uint32_t tile) const { return static_cast<int>(cell_of_[tile] / columns_); }
-  /// What was noted of it or else of that of the earlier frame; below 0: nothing.
-  float told(uint32_t tile) const;
   /// The tiles around it hear that it takes so long, and forget what it told before.
   void tell_around(uint32_t tile, float seconds);
   double mean() const;
@@ -65,8 +67,8 @@ class TileCosts {
     double seconds = 0, weight = 0;
   };
   std::vector<Known> near_;  ///< what is known around each cell
-  double sum_ = 0, earlier_mean_ = 0;
-  size_t known_ = 0, next_order_ = 0;
+  double sum_ = 0, earlier_sum_ = 0;
+  size_t known_ = 0, learned_ = 0, next_order_ = 0;
 };
 
 }  // namespace tessera
