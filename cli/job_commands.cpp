@@ -47,11 +47,10 @@ void print_table(const v1::JobList& list) {
   static constexpr char kRow[] = "{:>5}  {:<9}  {:>8}  {:>9}  {:>15}  {:>5}  {:>9}  {}\n";
   say(kRow, "job", "state", "priority", "frames", "tiles", "done", "remaining", "name");
   for (const v1::JobStatus& job : list.jobs()) {
-    const bool waits = job.state() == v1::JobStatus::RUNNING && !job.waits_for().empty();
     const std::string why =
         job.waits_for().empty() ? "" : fmt::format("  (waits for {})", printable(job.waits_for()));
     const bool is_known = job.remaining_seconds() >= 0;
-    say(kRow, job.job(), waits ? "waiting" : state_name(job), job.priority(),
+    say(kRow, job.job(), state_name(job), job.priority(),
         fmt::format("{}/{}", job.frames_done(), job.frames_total()),
         fmt::format("{}/{}", job.tiles_done(), job.tiles_total()),
         fmt::format("{} %", percent(job)), is_known ? duration_text(job.remaining_seconds()) : "",

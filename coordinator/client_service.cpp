@@ -253,20 +253,34 @@ v1::JobStatus ClientService::ask(Job& job, const v1::JobQuery& query, Time now) 
 }
 
 void ClientService::act(Job& job, const v1::JobQuery& query) {
-  if (query.has_priority()) jobs_.set_priority(job, query.priority());
+  // Orders are repeated until they are answered; each is logged once.
+  const v1::KeptJob& kept = job.kept();
+  const auto log = [&](const std::string& what) {
+    const std::string& name = kept.request().name();
+    spdlog::info("job {}{} is {}{}", job.id(), name.empty() ? "" : " (" + printable(name) + ")",
+                 what, query.by().empty() ? "" : " by " + printable(query.by()));
+  };
+  if (query.has_priority() && query.priority() != kept.request().priority()) {
+    jobs_.set_priority(job, query.priority());
+    log(fmt::format("given priority {}", query.priority()));
+  }
+  const bool was_paused = kept.paused(), was_cancelled = kept.cancelled();
   switch (query.action()) {
     case v1::JobQuery::CANCEL:
-      return jobs_.cancel(job);
+      jobs_.cancel(job);
+      if (kept.cancelled() && !was_cancelled) log("cancelled");
+      return;
     case v1::JobQuery::PAUSE:
-      return jobs_.pause(job, true, query.by());
     case v1::JobQuery::RESUME:
-      return jobs_.pause(job, false);
+      jobs_.pause(job, query.action() == v1::JobQuery::PAUSE, query.by());
+      if (kept.paused() != was_paused) log(was_paused ? "resumed" : "paused");
+      return;
     case v1::JobQuery::RETRY:
       if (!jobs_.retry(job)) {
         throw usage_error(fmt::format(
             "job {} neither failed nor is held; expected one that did or is", job.id()));
       }
-      return;
+      return log("tried again");
     default:
       return;
   }

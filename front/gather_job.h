@@ -9,9 +9,6 @@
 
 namespace tessera {
 
-/// How many frames one job may have.
-inline constexpr size_t kMostJobFrames = 10'000;
-
 /// What a job is called and how it stands among others.
 struct JobOrder {
   std::string name{};  ///< empty: the scene's

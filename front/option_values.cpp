@@ -164,8 +164,9 @@ FrameNumbers parse_frames(std::string_view option, std::string_view text) {
     rest.remove_prefix(end + 1);
   }
   if (count > kMostFrames) {
-    throw usage_error(fmt::format("{}: '{}' asks for {} frames; expected at most {}", option, text,
-                                  count, kMostFrames));
+    throw usage_error(
+        fmt::format("{}: '{}' asks for {} frames; expected at most {}, for a job of a farm {}",
+                    option, text, count, kMostFrames, kMostJobFrames));
   }
   FrameNumbers frames;
   for (const SteppedRange& range : ranges) {

@@ -28,6 +28,8 @@ struct FrameRange {
 using FrameNumbers = std::vector<int>;
 /// Of one command. They are rendered one after the other, so more of them are for several commands.
 inline constexpr int64_t kMostFrames = 1'000'000;
+/// Of a job of a farm.
+inline constexpr size_t kMostJobFrames = 10'000;
 
 /// A whole number in [least, most], in decimal digits and nothing else.
 int64_t parse_whole(std::string_view option, std::string_view text, int64_t least, int64_t most);

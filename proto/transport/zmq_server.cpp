@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <net/if.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "base/descriptors.h"
 #include "base/error.h"
+#include "base/owned_descriptor.h"
 #include "proto/transport/accept_guard.h"
 #include "proto/transport/endpoint.h"
 #include "proto/transport/peer_connections.h"
@@ -247,13 +249,25 @@ class JoinedServers final : public ServerTransport {
   size_t next_ = 0;  ///< whose message is received next
 };
 
-/// The address to bind for a host: libzmq resolves no names there.
+/// Whether this machine has the address, as far as can be told.
+bool is_of_this_machine(const std::string& host) {
+  const auto address = socket_address(host, 0);
+  if (!address) return false;
+  const OwnedDescriptor probe(socket(address->get()->sa_family, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return ::bind(probe.get(), address->get(), address->size) == 0;
+}
+
+/// The address to bind for a host: libzmq resolves no names there. Of several that of this machine.
 std::string bound_host(const Endpoint& endpoint) {
   const std::string& host = endpoint.host;
   const bool is_interface = if_nametoindex(host.c_str()) != 0;
   if (host == "*" || is_interface || socket_address(host, endpoint.port)) return host;
   const ResolvedHost found = resolve_within(kResolvePatience, host);
-  if (!found.addresses.empty()) return found.addresses.front();
+  if (!found.addresses.empty()) {
+    const auto here =
+        std::find_if(found.addresses.begin(), found.addresses.end(), is_of_this_machine);
+    return here == found.addresses.end() ? found.addresses.front() : *here;
+  }
   if (!found.is_unknown) {
     throw temporary_error(fmt::format("cannot bind endpoint '{}': its host cannot be resolved: {}",
                                       endpoint.str(), found.failure));

@@ -486,6 +486,14 @@ class Names(ServiceTest):
                 self.say(**says)
                 self.renders(host)
 
+    def test_a_name_of_which_one_address_is_of_this_machine(self):
+        """The other is that of a proxy before it, say."""
+        self.enter("ip addr add fd77::1/64 dev lo nodad")
+        self.say(A=["192.0.2.77"], AAAA=["fd77::1"])
+        self.renders("farm.test")
+        self.say(A=["192.0.2.77", "127.0.0.2"])
+        self.renders("farm.test")
+
     def test_a_name_server_that_falls_silent(self):
         self.enter()
         self.say(A=["127.0.0.2"])

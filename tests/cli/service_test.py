@@ -139,7 +139,7 @@ class Told(ServiceTest):
         service = self.serve()
         job = self.submit()
         table = self.ask("status")
-        self.assertIn("waiting", table.splitlines()[1])
+        self.assertRegex(table.splitlines()[1], r"^ +\d+ +running .*\(waits for workers\)$")
         self.assertEqual("0 workers: jobs wait for some", table.splitlines()[-1])
         self.assertRegex(self.ask("status", job), "waits for +workers")
         self.assertEqual(("running", "workers"),

@@ -90,7 +90,8 @@ TEST(OptionValues, FramesAreNumbersRangesAndSteps) {
 TEST(OptionValues, TooManyFramesAreRefusedBeforeTheyAreCounted) {
   EXPECT_EQ(parse_frames("--frames", "1-1000000").size(), 1000000U);
   EXPECT_EQ(usage_error_of([] { parse_frames("--frames", "0-999999999"); }),
-            "--frames: '0-999999999' asks for 1000000000 frames; expected at most 1000000");
+            "--frames: '0-999999999' asks for 1000000000 frames; expected at most 1000000, "
+            "for a job of a farm 10000");
   EXPECT_NE(usage_error_of([] { parse_frames("--frames", "0-600000,0-600000"); }), "no error");
 }
 
