@@ -61,35 +61,49 @@ def tiff(pixel, kind, extra=None, size=2):
 def exr(channels, kind="half", data=(0, 0, 1, 1), display=None):
     """`channels`: the value of each by its name, or a function of x and y. The windows are x0, y0, x1,
     y1, the last pixel inside."""
+    return exr_parts({None: channels}, kind, data, display)
+
+
+def exr_parts(parts, kind="half", data=(0, 0, 1, 1), display=None):
+    """`parts`: by name, the channels of each, as exr() takes them; one that is called None is all."""
     def attribute(name, type_, body):
         return name.encode() + b"\0" + type_.encode() + b"\0" + struct.pack("<I", len(body)) + body
     number, letter = (1, "e") if kind == "half" else (2, "f")
-    names = sorted(channels)  # as the format wants them
-    listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", number, 0, 1, 1)
-                      for name in names) + b"\0"
-    head = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + attribute("channels", "chlist", listed)
-            + attribute("compression", "compression", b"\0")
-            + attribute("dataWindow", "box2i", struct.pack("<4i", *data))
-            + attribute("displayWindow", "box2i", struct.pack("<4i", *(display or data)))
-            + attribute("lineOrder", "lineOrder", b"\0")
-            + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
-            + attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
-            + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0")
     width, height = data[2] - data[0] + 1, data[3] - data[1] + 1
+    is_single = None in parts
 
-    def value(name, x, y):
-        given = channels[name]
-        return given(x, y) if callable(given) else given
-    lines = []
-    for y in range(data[1], data[3] + 1):
-        line = b"".join(struct.pack(f"<{width}{letter}", *[value(name, x, y) for x in
+    def header(part, channels):
+        listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", number, 0, 1, 1)
+                          for name in sorted(channels)) + b"\0"  # in the order that the format wants
+        of_part = b"" if is_single else (attribute("name", "string", part.encode())
+                                         + attribute("type", "string", b"scanlineimage")
+                                         + attribute("chunkCount", "int", struct.pack("<i", height)))
+        return (attribute("channels", "chlist", listed)
+                + attribute("compression", "compression", b"\0")
+                + attribute("dataWindow", "box2i", struct.pack("<4i", *data))
+                + attribute("displayWindow", "box2i", struct.pack("<4i", *(display or data)))
+                + attribute("lineOrder", "lineOrder", b"\0")
+                + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+                + attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+                + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + of_part + b"\0")
+
+    def line(index, channels, y):
+        def value(name, x):
+            given = channels[name]
+            return given(x, y) if callable(given) else given
+        body = b"".join(struct.pack(f"<{width}{letter}", *[value(name, x) for x in
                                                          range(data[0], data[2] + 1)])
-                        for name in names)
-        lines.append(struct.pack("<ii", y, len(line)) + line)
-    offset, table = len(head) + 8 * height, b""
-    for line in lines:
+                        for name in sorted(channels))
+        of_part = b"" if is_single else struct.pack("<i", index)
+        return of_part + struct.pack("<ii", y, len(body)) + body
+    head = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2 if is_single else 2 | 0x1000)
+            + b"".join(header(*part) for part in parts.items()) + (b"" if is_single else b"\0"))
+    lines = [line(index, channels, y) for index, channels in enumerate(parts.values())
+             for y in range(data[1], data[3] + 1)]
+    offset, table = len(head) + 8 * len(lines), b""
+    for each in lines:
         table += struct.pack("<Q", offset)
-        offset += len(line)
+        offset += len(each)
     return head + table + b"".join(lines)
 
 

@@ -6,7 +6,7 @@ import json
 import subprocess
 import unittest
 
-from stored_pictures import exr, pfm, png, pnm, sgi, targa, tiff
+from stored_pictures import exr, exr_parts, pfm, png, pnm, sgi, targa, tiff
 from tessera_process import TesseraTest
 
 RGB = (188 / 255, 128 / 255, 64 / 255)
@@ -226,6 +226,15 @@ class StoredSamples(TesseraTest):
         result = self.run_program("info", "scene.tessera", "--json")
         self.assertEqual(0, result.code, result.err)
         self.assertIn("channels Z, albedo.R, albedo.G of 'own.exr'", json.loads(result.out)["unused"])
+
+    def test_info_tells_the_parts_that_are_not_used(self):
+        self.write("parts.exr", exr_parts({"beauty": dict.fromkeys("RGB", 0.25), "depth": {"Z": 0.5},
+                                           "id": {"Y": 0.75}}))
+        self.write("scene.tessera", QUAD % {"i": 0, "file": "parts.exr", "encoding": ""})
+        result = self.run_program("info", "scene.tessera", "--json")
+        self.assertEqual(0, result.code, result.err)
+        self.assertIn("channels depth.Z, id.Y of 'parts.exr'", json.loads(result.out)["unused"])
+        self.assertEqual([[0.25] * 3], self.row_of(QUAD % {"i": 0, "file": "parts.exr", "encoding": ""}, 1))
 
     def test_metrics_compare_light(self):
         self.write("a.png", png(RGB, 16))

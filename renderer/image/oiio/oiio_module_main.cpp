@@ -271,6 +271,24 @@ void place_pixels(const ImageAnswer& read, uint32_t first, const Order& order, c
   }
 }
 
+/// The channels of the parts of OpenEXR after the first, each as PART.CHANNEL. Leaves the first one
+/// selected.
+std::vector<std::string> channels_of_other_parts(const std::string& format,
+                                                 OIIO::ImageInput& input) {
+  constexpr int kMostParts = 64;
+  std::vector<std::string> names;
+  if (format != "openexr") return names;
+  for (int part = 1; part < kMostParts && input.seek_subimage(part, 0); ++part) {
+    const OIIO::ImageSpec& spec = input.spec();
+    const std::string name = spec.get_string_attribute("oiio:subimagename", std::to_string(part));
+    for (const std::string& channel : channel_names(format, spec)) {
+      names.push_back(name + "." + channel);
+    }
+  }
+  input.seek_subimage(0, 0);
+  return names;
+}
+
 /// The colour and coverage of the picture, and in `names` its other channels.
 ImageAnswer read_colors(OIIO::ImageInput& input, const std::string& format) {
   const OIIO::ImageSpec& spec = input.spec();
@@ -307,8 +325,10 @@ ImageAnswer read_colors(OIIO::ImageInput& input, const std::string& format) {
       others.push_back(names[i]);
     }
   }
-  answer.names = joined(others);
   answer.meaning = meaning_of(format, spec, used);
+  const std::vector<std::string> of_parts = channels_of_other_parts(format, input);
+  others.insert(others.end(), of_parts.begin(), of_parts.end());
+  answer.names = joined(others);
   return answer;
 }
 
