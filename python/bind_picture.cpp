@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -13,8 +14,10 @@
 
 #include "base/all_failures.h"
 #include "base/cancellation.h"
+#include "base/core_count.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "bench/error/difference.h"
 #include "bench/error/metrics.h"
 #include "bench/error/ssim.h"
@@ -242,10 +245,12 @@ struct Comparison {
 /// The fields of `tessera.Metrics` by their names.
 py::dict compare(const PicturePointer& first, const PicturePointer& second) {
   const auto [difference, error, ssim] = run_abandonably([first, second](StopFlag) {
-    const auto light = [](const Film& film) {
-      return Picture{film.width(), film.height(), gather<float>(film, 0, kFilmChannels)};
-    };
-    const Picture a = light(first->film), b = light(second->film);
+    std::array<Picture, 2> light;
+    for_each_parallel(2, core_count(), [&](size_t i) {
+      const Film& film = (i == 0 ? first : second)->film;
+      light[i] = {film.width(), film.height(), gather<float>(film, 0, kFilmChannels)};
+    });
+    const auto& [a, b] = light;
     return Comparison{difference_of(a.values, b.values, kFilmChannels, size_t(a.width)),
                       picture_error(a, b), mean_ssim(a, b)};
   });

@@ -76,13 +76,13 @@ std::vector<uint8_t> difference_pixels(const Film& picture, const Film& referenc
   std::vector<uint8_t> rgba;
   rgba.reserve(4 * a.pixels());
   for (size_t at = 0; at < a.values.size(); at += kFilmChannels) {
-    const Difference pixel =
-        difference_of(std::span(a.values).subspan(at, kFilmChannels),
-                      std::span(b.values).subspan(at, kFilmChannels), kFilmChannels, 1);
+    double difference = 0;
+    for (size_t i = at; i < at + kFilmChannels; ++i)
+      difference = std::max(difference, channel_difference(a.values[i], b.values[i]));
     std::array<uint8_t, 3> color{};
     // Differences differ by magnitudes, which a root tells apart.
-    if (pixel.greatest > 0)
-      color = scale_color(std::isfinite(greatest) ? std::sqrt(pixel.greatest / greatest) : 1);
+    if (difference > 0)
+      color = scale_color(std::isfinite(greatest) ? std::sqrt(difference / greatest) : 1);
     rgba.insert(rgba.end(), {color[0], color[1], color[2], uint8_t{255}});
   }
   return rgba;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -16,6 +17,12 @@ struct Difference {
   size_t pixels_unequal = 0;                ///< with a channel that differs
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;       ///< pixels x0 <= x < x1, y0 <= y < y1 around those
 };
+
+/// By how much a channel differs; infinitely where one of both is no number.
+inline double channel_difference(float a, float b) {
+  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) && std::isnan(b) ? 0 : INFINITY;
+  return a == b ? 0 : std::abs(double{a} - double{b});
+}
 
 /// Of pictures of that width, their channels side by side, rows from the top.
 Difference difference_of(std::span<const float> a, std::span<const float> b, size_t channels,

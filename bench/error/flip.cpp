@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -12,6 +10,7 @@
 
 #include "base/core_count.h"
 #include "base/parallel.h"
+#include "bench/error/vector_math.h"
 #include "bench/error/weighted_sum.h"
 
 namespace tessera {
@@ -32,21 +31,34 @@ struct Rows {
 /// Weights from -radius to radius along one axis.
 using Kernel = std::vector<float>;
 using Triple = std::array<double, 3>;
+using Matrix = std::array<Triple, 3>;
 using Color = std::array<float, 3>;
 
-constexpr std::array<Triple, 3> kXyzOfRgb{
-    {{10135552. / 24577794, 8788810. / 24577794, 4435075. / 24577794},
-     {2613072. / 12288897, 8788810. / 12288897, 887015. / 12288897},
-     {1425312. / 73733382, 8788810. / 73733382, 70074185. / 73733382}}};
+constexpr Matrix kXyzOfRgb{{{10135552. / 24577794, 8788810. / 24577794, 4435075. / 24577794},
+                            {2613072. / 12288897, 8788810. / 12288897, 887015. / 12288897},
+                            {1425312. / 73733382, 8788810. / 73733382, 70074185. / 73733382}}};
+/// The paper's YCxCz without the offset of Y, which filters whose weights have the sum 1 pass on.
+constexpr Matrix kOpponentOfXyz{{{0, 116, 0}, {500, -500, 0}, {0, 200, -200}}};
+constexpr float kOpponentWhite = 116;
 
-Triple times(const std::array<Triple, 3>& m, const Triple& v) {
-  Triple out{};
-  for (size_t i = 0; i < 3; ++i) out[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
+constexpr Matrix over_white(Matrix m) {
+  for (Triple& row : m) {
+    const double white = row[0] + row[1] + row[2];
+    for (double& value : row) value /= white;
+  }
+  return m;
+}
+
+constexpr Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix out{};
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j)
+      for (size_t k = 0; k < 3; ++k) out[i][j] += a[i][k] * b[k][j];
   return out;
 }
 
-std::array<Triple, 3> inverse(const std::array<Triple, 3>& m) {
-  std::array<Triple, 3> out{};
+constexpr Matrix inverse(const Matrix& m) {
+  Matrix out{};
   for (size_t i = 0; i < 3; ++i) {
     for (size_t j = 0; j < 3; ++j) {
       const size_t a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
@@ -59,63 +71,44 @@ std::array<Triple, 3> inverse(const std::array<Triple, 3>& m) {
   return out;
 }
 
-const Triple kWhiteXyz = times(kXyzOfRgb, {1, 1, 1});
-const std::array<Triple, 3> kRgbOfXyz = inverse(kXyzOfRgb);
-
 /// XYZ over its white.
-Triple relative_xyz(const Triple& rgb) {
-  Triple out = times(kXyzOfRgb, rgb);
-  for (size_t i = 0; i < 3; ++i) out[i] /= kWhiteXyz[i];
-  return out;
+constexpr Matrix kRelativeOfRgb = over_white(kXyzOfRgb);
+constexpr Matrix kOpponentOfRgb = product(kOpponentOfXyz, kRelativeOfRgb);
+constexpr Matrix kRgbOfOpponent = inverse(kOpponentOfRgb);
+
+inline Color times(const Matrix& m, const Color& v) {
+  const auto sum = [&](const Triple& row) {
+    return static_cast<float>(row[0]) * v[0] + static_cast<float>(row[1]) * v[1] +
+           static_cast<float>(row[2]) * v[2];
+  };
+  return {sum(m[0]), sum(m[1]), sum(m[2])};
 }
 
-/// Linear opponent colours.
-Triple ycxcz(const Triple& rgb) {
-  const Triple t = relative_xyz(rgb);
-  return {116 * t[1] - 16, 500 * (t[0] - t[1]), 200 * (t[1] - t[2])};
-}
-
-Triple rgb_of_ycxcz(const Triple& c) {
-  const double y = (c[0] + 16) / 116;
-  return times(kRgbOfXyz, {(y + c[1] / 500) * kWhiteXyz[0], y * kWhiteXyz[1],
-                           (y - c[2] / 200) * kWhiteXyz[2]});
-}
-
-/// Of a positive number that is not tiny, within two units in the last place. Unlike std::cbrt,
-/// compilers make it run for several numbers at a time.
-float cube_root(float v) {
-  constexpr uint32_t kThirdOfBias = 0x2a5137a0;
-  auto root = std::bit_cast<float>(std::bit_cast<uint32_t>(v) / 3 + kThirdOfBias);
-  for (int i = 0; i < 2; ++i) {  // Halley's steps
-    const float cube = root * root * root;
-    root *= (cube + 2 * v) / (2 * cube + v);
-  }
-  return root;
-}
+/// What is no number is 0.
+inline float clamped(float v) { return v > 0 ? std::min(v, 1.F) : 0; }
 
 /// What CIE L*a*b* takes of each relative XYZ.
-float lab_response(float v) {
+inline float lab_response(float v) {
   constexpr float kDelta = 6.F / 29, kKnee = kDelta * kDelta * kDelta;
   const float root = cube_root(std::max(v, kKnee)), line = v / (3 * kDelta * kDelta) + 4.F / 29;
   return v > kKnee ? root : line;
 }
 
 /// CIE L*a*b* of such responses, its colourfulness made to fall with luminance as Hunt saw it.
-Color hunt_lab(const Color& response) {
+inline Color hunt_lab(const Color& response) {
   const float lightness = 116 * response[1] - 16;
   return {lightness, .01F * lightness * 500 * (response[0] - response[1]),
           .01F * lightness * 200 * (response[1] - response[2])};
 }
 
-Color lab_of(const Triple& rgb) {
-  const Triple xyz = relative_xyz(rgb);
-  Color response;
-  for (size_t i = 0; i < 3; ++i) response[i] = lab_response(static_cast<float>(xyz[i]));
+Color lab_of(const Color& rgb) {
+  Color response = times(kRelativeOfRgb, rgb);
+  for (float& value : response) value = lab_response(value);
   return hunt_lab(response);
 }
 
 /// HyAB: city block in lightness, Euclidean in colour.
-float hyab(const Color& a, const Color& b) {
+inline float hyab(const Color& a, const Color& b) {
   const float u = a[1] - b[1], v = a[2] - b[2];
   return std::abs(a[0] - b[0]) + std::sqrt(u * u + v * v);
 }
@@ -223,7 +216,7 @@ class FlipFeatures {
         width_(static_cast<size_t>(picture.width)),
         height_(static_cast<size_t>(picture.height)) {
     const size_t around = most_rows + 2 * filters.reach;
-    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &luminance_, &half_})
+    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &half_})
       *rows = Rows(width_, around);
     for (Rows* rows : {&colors[0], &colors[1], &colors[2], &edges, &points, &part_})
       *rows = Rows(width_, most_rows);
@@ -240,38 +233,35 @@ class FlipFeatures {
       to_lab(colors[0].row(y), colors[1].row(y), colors[2].row(y));
   }
 
-  Color color(size_t y, size_t x) const {
-    return {colors[0].row(y)[x], colors[1].row(y)[x], colors[2].row(y)[x]};
-  }
-
   std::array<Rows, 3> colors;  ///< as through the eye, in Hunt-adjusted L*a*b*
   Rows edges, points;          ///< how strongly each pixel is part of one
 
  private:
   void read(size_t begin, size_t end) {
-    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &luminance_})
-      rows->set(begin, end);
+    for (Rows& rows : opponent_) rows.set(begin, end);
     for (size_t y = begin; y < end; ++y) {
-      const float* value = picture_.values.data() + 3 * y * width_;
+      const float* const values = picture_.values.data() + 3 * y * width_;
+      float *const first = opponent_[0].row(y), *const second = opponent_[1].row(y),
+                   *const third = opponent_[2].row(y);
       for (size_t x = 0; x < width_; ++x) {
-        Triple rgb;
-        for (double& v : rgb)
-          v = std::isnan(*value) ? 0 : std::clamp(double{*value}, 0.0, 1.0), ++value;
-        const Triple opponent = ycxcz(rgb);
-        for (size_t c = 0; c < 3; ++c) opponent_[c].row(y)[x] = static_cast<float>(opponent[c]);
-        luminance_.row(y)[x] = static_cast<float>((opponent[0] + 16) / 116);
+        const Color opponent =
+            times(kOpponentOfRgb,
+                  {clamped(values[3 * x]), clamped(values[3 * x + 1]), clamped(values[3 * x + 2])});
+        first[x] = opponent[0];
+        second[x] = opponent[1];
+        third[x] = opponent[2];
       }
     }
   }
 
   void detect(const Kernel& derivative, Rows& out) {
-    filter(luminance_, height_, derivative, filters_.smooth, half_, out);
-    filter(luminance_, height_, filters_.smooth, derivative, half_, part_);
+    filter(opponent_[0], height_, derivative, filters_.smooth, half_, out);
+    filter(opponent_[0], height_, filters_.smooth, derivative, half_, part_);
     for (size_t y = out.first; y < out.end; ++y) {
-      for (size_t x = 0; x < width_; ++x) {
-        const float a = out.row(y)[x], b = part_.row(y)[x];
-        out.row(y)[x] = std::sqrt(a * a + b * b);
-      }
+      float* const to = out.row(y);
+      const float* const other = part_.row(y);
+      for (size_t x = 0; x < width_; ++x)
+        to[x] = std::sqrt(to[x] * to[x] + other[x] * other[x]) / kOpponentWhite;
     }
   }
 
@@ -280,29 +270,31 @@ class FlipFeatures {
       const Kernel& kernel = sensitivity.kernels[term];
       filter(in, height_, kernel, kernel, half_, part_);
       for (size_t y = out.first; y < out.end; ++y) {
-        for (size_t x = 0; x < width_; ++x) {
-          const float before = term == 0 ? 0 : out.row(y)[x];
-          out.row(y)[x] = before + sensitivity.weights[term] * part_.row(y)[x];
-        }
+        float* const to = out.row(y);
+        const float* const from = part_.row(y);
+        if (term == 0) std::fill_n(to, width_, 0.F);
+        for (size_t x = 0; x < width_; ++x) to[x] += sensitivity.weights[term] * from[x];
       }
     }
   }
 
   /// A row of opponent colours.
   void to_lab(float* first, float* second, float* third) const {
-    const std::array<float*, 3> rows{first, second, third};
     for (size_t x = 0; x < width_; ++x) {
-      Triple rgb = rgb_of_ycxcz({first[x], second[x], third[x]});
-      for (double& value : rgb) value = std::clamp(value, 0.0, 1.0);
-      const Triple xyz = relative_xyz(rgb);
-      for (size_t c = 0; c < 3; ++c) rows[c][x] = static_cast<float>(xyz[c]);
+      const Color rgb = times(kRgbOfOpponent, {first[x], second[x], third[x]});
+      const Color xyz = times(kRelativeOfRgb, {clamped(rgb[0]), clamped(rgb[1]), clamped(rgb[2])});
+      first[x] = xyz[0];
+      second[x] = xyz[1];
+      third[x] = xyz[2];
     }
-    for (float* row : rows) {
+    for (float* row : {first, second, third}) {
       for (size_t x = 0; x < width_; ++x) row[x] = lab_response(row[x]);
     }
     for (size_t x = 0; x < width_; ++x) {
       const Color lab = hunt_lab({first[x], second[x], third[x]});
-      for (size_t c = 0; c < 3; ++c) rows[c][x] = lab[c];
+      first[x] = lab[0];
+      second[x] = lab[1];
+      third[x] = lab[2];
     }
   }
 
@@ -310,23 +302,44 @@ class FlipFeatures {
   const Filters& filters_;
   size_t width_, height_;
   std::array<Rows, 3> opponent_;
-  Rows luminance_, half_, part_;
+  Rows half_, part_;
 };
 
-/// The colour difference raised to .7, its usual range spread over [0, .95].
-float color_error(const Color& a, const Color& b) {
-  constexpr float kExponent = .7F, kUsualShare = .4F, kUsualTop = .95F;
-  static const float greatest = std::pow(hyab(lab_of({0, 1, 0}), lab_of({0, 0, 1})), kExponent);
-  const float usual = kUsualShare * greatest, error = std::pow(hyab(a, b), kExponent);
-  const float spread = error < usual
-                           ? kUsualTop * error / usual
-                           : kUsualTop + (1 - kUsualTop) * (error - usual) / (greatest - usual);
-  return std::clamp(spread, 0.F, 1.F);
+constexpr float kColorExponent = .7F;
+
+/// The colour difference raised to .7, its usual range spread over [0, .95]. `greatest`: that of
+/// any two colours.
+inline float color_error(float difference, float greatest) {
+  constexpr float kUsualShare = .4F, kUsualTop = .95F;
+  const float usual = kUsualShare * greatest, error = power(difference, kColorExponent);
+  const float below = kUsualTop * error / usual;
+  const float above = kUsualTop + (1 - kUsualTop) * (error - usual) / (greatest - usual);
+  return std::clamp(error < usual ? below : above, 0.F, 1.F);
 }
 
-}  // namespace
+/// Of a row of both pictures.
+void compare_row(const FlipFeatures& a, const FlipFeatures& b, size_t y,
+                 std::vector<float>& errors) {
+  static const float greatest = power(hyab(lab_of({0, 1, 0}), lab_of({0, 0, 1})), kColorExponent);
+  const auto row = [y](const Rows& rows) { return rows.row(y); };
+  const float *const a0 = row(a.colors[0]), *const a1 = row(a.colors[1]),
+                     *const a2 = row(a.colors[2]), *const b0 = row(b.colors[0]),
+                     *const b1 = row(b.colors[1]), *const b2 = row(b.colors[2]);
+  for (size_t x = 0; x < errors.size(); ++x)
+    errors[x] = color_error(hyab({a0[x], a1[x], a2[x]}, {b0[x], b1[x], b2[x]}), greatest);
+  const float *const a_edges = row(a.edges), *const a_points = row(a.points),
+                     *const b_edges = row(b.edges), *const b_points = row(b.points);
+  for (size_t x = 0; x < errors.size(); ++x) {
+    const float difference =
+        std::max(std::abs(a_edges[x] - b_edges[x]), std::abs(a_points[x] - b_points[x]));
+    const float features = std::min(std::sqrt(difference / std::numbers::sqrt2_v<float>), 1.F);
+    errors[x] = power(errors[x], 1 - features);
+  }
+}
 
-std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_per_degree) {
+/// Calls take(y, errors) for each row of the pictures, on several threads.
+template <typename Take>
+void for_each_row(const Picture& a, const Picture& b, double pixels_per_degree, const Take& take) {
   constexpr size_t kBand = 64;  // rows; with those around them, what a processor's cache may hold
   const Filters filters(pixels_per_degree);
   const auto width = static_cast<size_t>(a.width), height = static_cast<size_t>(a.height);
@@ -336,38 +349,43 @@ std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_pe
     return std::vector<FlipFeatures>(threads, {of, filters, kBand});
   };
   std::vector<FlipFeatures> all_first = buffers(a), all_second = buffers(b);
-  std::vector<float> out(a.pixels());
   for_each_of_thread(bands, core_count(), [&](size_t thread, size_t band) {
     FlipFeatures &first = all_first[thread], &second = all_second[thread];
     const size_t begin = band * kBand, end = std::min(height, begin + kBand);
     first.compute(begin, end);
     second.compute(begin, end);
+    std::vector<float> errors(width);
     for (size_t y = begin; y < end; ++y) {
-      for (size_t x = 0; x < width; ++x) {
-        const float difference =
-            std::max(std::abs(first.edges.row(y)[x] - second.edges.row(y)[x]),
-                     std::abs(first.points.row(y)[x] - second.points.row(y)[x]));
-        const float features =
-            std::clamp(std::sqrt(difference / std::numbers::sqrt2_v<float>), 0.F, 1.F);
-        out[y * width + x] =
-            std::pow(color_error(first.color(y, x), second.color(y, x)), 1 - features);
-      }
+      compare_row(first, second, y, errors);
+      take(y, errors);
     }
+  });
+}
+
+}  // namespace
+
+std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_per_degree) {
+  std::vector<float> out(a.pixels());
+  for_each_row(a, b, pixels_per_degree, [&](size_t y, const std::vector<float>& errors) {
+    std::copy(errors.begin(), errors.end(), &out[y * errors.size()]);
   });
   return out;
 }
 
 double mean_flip(const Picture& a, const Picture& b, const PixelMask& mask,
                  double pixels_per_degree) {
-  const std::vector<float> map = flip_map(a, b, pixels_per_degree);
-  double sum = 0;
-  size_t count = 0;
-  for (size_t i = 0; i < map.size(); ++i) {
-    if (!counts(mask, i)) continue;
-    sum += double{map[i]};
-    ++count;
-  }
-  return sum / static_cast<double>(count);
+  // By row, which are added in their order for any number of threads.
+  std::vector<double> sums(static_cast<size_t>(a.height));
+  std::vector<size_t> counted(sums.size());
+  for_each_row(a, b, pixels_per_degree, [&](size_t y, const std::vector<float>& errors) {
+    for (size_t x = 0; x < errors.size(); ++x) {
+      if (!counts(mask, y * errors.size() + x)) continue;
+      sums[y] += double{errors[x]};
+      ++counted[y];
+    }
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.) /
+         static_cast<double>(std::accumulate(counted.begin(), counted.end(), size_t{0}));
 }
 
 }  // namespace tessera

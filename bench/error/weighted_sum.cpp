@@ -13,16 +13,16 @@ namespace tessera {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-void sum_rows(float* out, size_t count, std::span<const float> weights,
-              std::span<const float* const> rows) {
-  const hn::ScalableTag<float> tag;
+template <typename T>
+void sum(T* out, size_t count, std::span<const T> weights, std::span<const T* const> rows) {
+  const hn::ScalableTag<T> tag;
   const size_t lanes = hn::Lanes(tag);
   size_t x = 0;
   for (; x + 4 * lanes <= count; x += 4 * lanes) {
     auto a = hn::Zero(tag), b = a, c = a, d = a;
     for (size_t k = 0; k < weights.size(); ++k) {
       const auto weight = hn::Set(tag, weights[k]);
-      const float* const in = rows[k] + x;
+      const T* const in = rows[k] + x;
       a = hn::Add(a, hn::Mul(weight, hn::LoadU(tag, in)));
       b = hn::Add(b, hn::Mul(weight, hn::LoadU(tag, in + lanes)));
       c = hn::Add(c, hn::Mul(weight, hn::LoadU(tag, in + 2 * lanes)));
@@ -39,6 +39,16 @@ void sum_rows(float* out, size_t count, std::span<const float> weights,
   }
 }
 
+void sum_floats(float* out, size_t count, std::span<const float> weights,
+                std::span<const float* const> rows) {
+  sum(out, count, weights, rows);
+}
+
+void sum_doubles(double* out, size_t count, std::span<const double> weights,
+                 std::span<const double* const> rows) {
+  sum(out, count, weights, rows);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace tessera
 HWY_AFTER_NAMESPACE();
@@ -47,7 +57,13 @@ HWY_AFTER_NAMESPACE();
 namespace tessera {
 void weighted_sum(float* out, size_t count, std::span<const float> weights,
                   std::span<const float* const> rows) {
-  static const auto sum = best_code_of_machine(TESSERA_EACH_TARGET(sum_rows));
+  static const auto sum = best_code_of_machine(TESSERA_EACH_TARGET(sum_floats));
+  sum(out, count, weights, rows);
+}
+
+void weighted_sum(double* out, size_t count, std::span<const double> weights,
+                  std::span<const double* const> rows) {
+  static const auto sum = best_code_of_machine(TESSERA_EACH_TARGET(sum_doubles));
   sum(out, count, weights, rows);
 }
 

@@ -10,5 +10,7 @@ namespace tessera {
 /// row.
 void weighted_sum(float* out, size_t count, std::span<const float> weights,
                   std::span<const float* const> rows);
+void weighted_sum(double* out, size_t count, std::span<const double> weights,
+                  std::span<const double* const> rows);
 
 }  // namespace tessera

@@ -9,6 +9,7 @@
 #include "bench/error/difference.h"
 #include "bench/error/flip.h"
 #include "bench/error/ssim.h"
+#include "bench/error/vector_math.h"
 #include "bench/error/weighted_sum.h"
 
 namespace tessera {
@@ -98,6 +99,24 @@ TEST(ErrorMetrics, DifferencesHaveTheirPlace) {
   EXPECT_EQ((std::vector<int>{d.x0, d.y0, d.x1, d.y1}), (std::vector<int>{1, 0, 3, 1}));
 }
 
+TEST(ErrorMetrics, DifferencesOfTallPicturesAreThoseOfTheirParts) {
+  constexpr size_t kWidth = 3, kHeight = 200;
+  std::vector<float> a(kWidth * kHeight), b = a;
+  b[1 * kWidth + 2] = 1;
+  b[70 * kWidth + 1] = 4;
+  b[140 * kWidth + 1] = 4;
+  b[199 * kWidth + 1] = 2;
+  const Difference d = difference_of(a, b, 1, kWidth, 1);
+  EXPECT_EQ(d.greatest, 4);
+  EXPECT_EQ(d.worst_pixel, 70 * kWidth + 1) << "the first of two";
+  EXPECT_EQ(d.mean, 11. / (kWidth * kHeight));
+  EXPECT_EQ(d.rmse, std::sqrt(37. / (kWidth * kHeight)));
+  EXPECT_EQ(d.greatest_of, std::vector<double>{4});
+  EXPECT_EQ(d.pixels_unequal, 4u);
+  EXPECT_EQ(d.pixels_beyond, 3u);
+  EXPECT_EQ((std::vector<int>{d.x0, d.y0, d.x1, d.y1}), (std::vector<int>{1, 1, 3, 200}));
+}
+
 TEST(ErrorMetrics, WhatIsNoNumberCountsAsBlackAndIsCounted) {
   Picture picture = constant(2, 2, .5F, .5F, .5F);
   picture.values[4] = std::numeric_limits<float>::quiet_NaN();
@@ -143,6 +162,20 @@ TEST(BiasEstimate, SaysNothingBeforeItHasTwo) {
   EXPECT_EQ(estimator.result().bias, 0);
   estimator.add(constant(2, 2, 1, 1, 1));
   EXPECT_EQ(estimator.result().bias, 1);
+}
+
+TEST(ErrorMetrics, PowersAreThoseOfTheLibrary) {
+  for (const float base :
+       {1e-20F, 1e-6F, .003F, .49F, .5F, .7071F, .999F, 1.F, 1.001F, 50.F, 1000.F}) {
+    EXPECT_NEAR(cube_root(base) / std::cbrt(base), 1, 3e-7) << base;
+    for (const float exponent : {0.F, 1e-3F, .3F, .7F, 1.F}) {
+      EXPECT_NEAR(power(base, exponent) / std::pow(base, exponent), 1, 2e-6)
+          << base << " " << exponent;
+    }
+  }
+  EXPECT_EQ(power(0, 0), 1);
+  EXPECT_EQ(power(0, .01F), 0);
+  EXPECT_EQ(power(1, .7F), 1);
 }
 
 TEST(Flip, IsNothingForEqualPicturesAndAllForBlackAgainstWhite) {
