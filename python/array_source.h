@@ -3,7 +3,6 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "python/array.h"
+#include "renderer/math/encodings.h"
 
 namespace tessera {
 
@@ -55,8 +55,6 @@ void for_each_element(const ArraySource& source, pybind11::ssize_t first, pybind
                       Use use);
 
 namespace detail {
-
-float half_to_float(uint16_t half);
 
 template <class From, bool kSwapped>
 From load(const std::byte* at) {
