@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -17,7 +18,6 @@
 #include "python/array_kernels.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
-#include "python/gil.h"
 #include "python/interruptible.h"
 #include "renderer/film/tile.h"
 #include "renderer/math/encodings.h"
@@ -345,18 +345,12 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
 
 std::pair<Digest, BlobData> blob_of(const Array& array) {
   if (!array.blob().second) {
-    const auto make = [kept = array.owner(), bytes = array.bytes()](const std::atomic<bool>&) {
-      return std::pair(Digest::of(bytes), BlobData(Blob::share(kept, bytes)));
-    };
-    constexpr size_t kLong = size_t{1} << 20;  // for less to start a thread would take longer
-    std::pair<Digest, BlobData> made;
-    if (array.bytes().size() > kLong) {
-      made = run_abandonably(make);
-    } else {
-      const GilRelease unlocked;
-      made = make(false);
-    }
-    array.blob() = std::move(made);  // with the GIL: others may look at it at once
+    const std::span<const std::byte> bytes = array.bytes();
+    // Assigned with the GIL held, as other threads may read it at any time.
+    array.blob() =
+        run_unlocked(bytes.size(), [kept = array.owner(), bytes](const std::atomic<bool>&) {
+          return std::pair(Digest::of(bytes), BlobData(Blob::share(kept, bytes)));
+        });
   }
   return array.blob();
 }
