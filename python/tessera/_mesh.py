@@ -9,7 +9,7 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, Mapping, NoReturn, Op
 from . import _core, _messages
 from ._arguments import boolean, number, with_article
 from ._array import as_ndarray
-from ._callers import here, level_of_caller
+from ._callers import level_of_caller
 from ._placing import Shape
 from ._transforms import Transform
 from ._types import ArrayLike
@@ -128,7 +128,6 @@ class Mesh(_messages.Mesh, Shape):
                          flip_normals=flip_normals, transform=transform,
                          inline_positions=inline_positions, inline_triangles=inline_triangles,
                          inline_normals=inline_normals, inline_uvs=inline_uvs, **unknown)
-        self._place = here()
         self._is_told = False
         if positions is not None:
             count = self._take_positions(positions, copy, recenter)

@@ -9,7 +9,6 @@ from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List,
 from . import _core, _messages, rendering
 from ._arguments import (file_name, folder_text, frame_number, nearest, refuse_unknown, several,
                          tells_unknown, with_article)
-from ._callers import here
 from ._graph import Instances, flat, with_material
 from ._html import table
 from ._local_farms import BaseFarm
@@ -190,7 +189,6 @@ class Scene(_messages.Scene):
         super().__init__(metadata=metadata, settings=settings, cameras=cameras, fog=fog,
                          materials=materials, textures=textures, objects=objects, nodes=nodes,
                          includes=includes, **unknown)
-        self._place = here()
         for name, value in flat_settings.items():
             if value is not None:
                 setattr(self, name, value)
