@@ -159,7 +159,8 @@ class Mesh(_messages.Mesh, Shape):
     def merge_vertices(self, distance: float) -> Mesh:
         """A copy in which each vertex lies at the first within that distance in metres, > 0, that stays
         itself, so that they count as one: slits close. Rows stay what they are, with their normals, uvs
-        and colors; the renderer leaves out triangles whose corners coincide."""
+        and colors; the renderer leaves out triangles whose corners coincide. Raises UsageError for other
+        distances."""
         distance = number("distance", distance)
         if not 0 < distance < math.inf:
             raise UsageError(f"distance: {distance}; expected a length in metres, above 0")
@@ -216,6 +217,7 @@ class Mesh(_messages.Mesh, Shape):
               **unknown: NoReturn) -> Mesh:
         """The mesh of an object that has `vertices` or `points`, and `faces`, `triangles` or `cells`:
         those of trimesh, Open3D and meshio. Cells of meshio that are quads become two triangles each.
+        Raises TypeError for another object, ValueError for other cells, and what `Mesh` raises.
         """
         positions = next((getattr(source, name) for name in ("vertices", "points")
                           if getattr(source, name, None) is not None), None)

@@ -116,17 +116,17 @@ class Image:
 
     @property
     def height(self) -> int:
-        """Rows."""
+        """Rows of pixels, of the crop if there was one."""
         return self._picture.height
 
     @property
     def size(self) -> Tuple[int, int]:
-        """(width, height), as `render` takes it."""
+        """(width, height) in pixels, as `render` takes it."""
         return self.width, self.height
 
     @property
     def shape(self) -> Tuple[int, int, int]:
-        """(height, width, 3), that of `linear`."""
+        """(height, width, 3), in pixels: that of `linear`."""
         return self.height, self.width, 3
 
     @functools.cached_property
