@@ -3,8 +3,10 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -53,6 +55,15 @@ std::string shape_text(const Array::Shape& shape);
 template <class To, class Use>
 void for_each_element(const ArraySource& source, pybind11::ssize_t first, pybind11::ssize_t count,
                       Use use);
+
+/// The same for all elements, or for some where `stop` becomes true meanwhile.
+template <class To, class Use>
+void for_each_element(const ArraySource& source, const std::atomic<bool>& stop, Use use) {
+  constexpr pybind11::ssize_t kAtOnce = 1 << 16;
+  for (pybind11::ssize_t at = 0; at < source.count() && !stop; at += kAtOnce) {
+    for_each_element<To>(source, at, std::min(kAtOnce, source.count() - at), std::ref(use));
+  }
+}
 
 namespace detail {
 
