@@ -27,7 +27,6 @@ class FrameTask {
   bool is_done() const { return wait(std::chrono::microseconds(0)); }
   /// Ends it soon, at once where it has not begun; its picture then holds what came until then.
   void cancel();
-  bool is_cancelled() const { return stop_; }
   /// As cancel(), sooner: nobody wants what came until then.
   void abandon();
   JobProgress progress() const;

@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-std::vector<std::string> long_names(const OptionList& options) {
+static std::vector<std::string> long_names(const OptionList& options) {
   std::vector<std::string> names;
   for (const Option& option : options) names.push_back(option.long_name());
   return names;

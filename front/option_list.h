@@ -33,7 +33,6 @@ using OptionList = std::vector<Option>;
 /// What is assigned to an option: of a flag whether it is set, of others the text that is typed.
 using OptionValue = std::variant<bool, std::string>;
 
-std::vector<std::string> long_names(const OptionList& options);
 /// What is wrong with a value as text, whatever its option: "''; expected FILE" for the empty one,
 /// which is what a script's unset variable leaves. An option that is not given is left out.
 /// Returns the empty text where nothing is wrong. `type`: as Option::type, not empty.

@@ -245,15 +245,4 @@ void wrong_shape(const std::string& name, const Array::Shape& found, const std::
       fmt::format("{}: shape {}; expected {}", name, shape_text(found), expected));
 }
 
-float detail::half_to_float(uint16_t half) {
-  const uint32_t sign = uint32_t{half & 0x8000u} << 16;
-  const uint32_t exponent = (half >> 10) & 31, fraction = half & 1023u;
-  if (exponent == 0) {
-    const float tiny = static_cast<float>(fraction) * 0x1p-24f;
-    return sign ? -tiny : tiny;
-  }
-  const uint32_t wide = exponent == 31 ? 255 : exponent + 112;
-  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
-}
-
 }  // namespace tessera

@@ -3,14 +3,16 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
-#include <bit>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "python/array.h"
+#include "renderer/math/encodings.h"
 
 namespace tessera {
 
@@ -54,9 +56,16 @@ template <class To, class Use>
 void for_each_element(const ArraySource& source, pybind11::ssize_t first, pybind11::ssize_t count,
                       Use use);
 
-namespace detail {
+/// The same for all elements, or for some where `stop` becomes true meanwhile.
+template <class To, class Use>
+void for_each_element(const ArraySource& source, const std::atomic<bool>& stop, Use use) {
+  constexpr pybind11::ssize_t kAtOnce = 1 << 16;
+  for (pybind11::ssize_t at = 0; at < source.count() && !stop; at += kAtOnce) {
+    for_each_element<To>(source, at, std::min(kAtOnce, source.count() - at), std::ref(use));
+  }
+}
 
-float half_to_float(uint16_t half);
+namespace detail {
 
 template <class From, bool kSwapped>
 From load(const std::byte* at) {

@@ -267,7 +267,7 @@ py::dict compare(const PicturePointer& first, const PicturePointer& second) {
       "worst"_a = py::make_tuple(difference.worst_pixel % width, difference.worst_pixel / width));
 }
 
-/// A view of all values (h, w, channels), of which light is the first three.
+/// A view of all values, (h, w, channels); the first three channels are light.
 Array values_of(const PicturePointer& picture) {
   const Film& film = picture->film;
   return Array(picture, film.values().data(), kElementOf<float>,
@@ -310,7 +310,7 @@ Array copy_of_channels(const PicturePointer& picture, int first, int count) {
                shape);
 }
 
-Array channels_of(const PicturePointer& picture, const std::string& name) {
+Array copy_of_aov(const PicturePointer& picture, const std::string& name) {
   const auto [first, count, is_whole] = find_channels(picture->film, name);
   return is_whole ? copy_of_channels<uint32_t>(picture, first, count)
                   : copy_of_channels<float>(picture, first, count);
@@ -343,8 +343,8 @@ void bind_picture(py::module_& module) {
            [](const PicturePointer& picture) {
              return copy_of_channels<float>(picture, 0, kFilmChannels);
            })
-      .def("channels", &channels_of)
-      .def("place_of",
+      .def("channels", &copy_of_aov)
+      .def("channels_of",
            [](const RenderedPicture& picture, const std::string& name) {
              const auto [first, count, is_whole] = find_channels(picture.film, name);
              return py::make_tuple(first, count, is_whole);

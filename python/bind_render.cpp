@@ -45,7 +45,6 @@ class OptionTexts {
   void assign(const std::string& name, const OptionValue& value) {
     assign_option(list_, name, value);
   }
-  std::vector<std::string> names() const { return long_names(list_); }
 
   RenderOptions options;
 
@@ -223,7 +222,6 @@ void bind_task(py::module_& module) {
       .def("is_done", &FrameTask::is_done)
       .def("cancel", &FrameTask::cancel)
       .def("abandon", &FrameTask::abandon)
-      .def("is_cancelled", &FrameTask::is_cancelled)
       .def("progress",
            [](const FrameTask& task) {
              const JobProgress p = task.progress();
@@ -243,8 +241,7 @@ void bind_task(py::module_& module) {
 void bind_render(py::module_& module) {
   bind_class<OptionTexts>(module, "Options")
       .def(py::init<bool>())
-      .def("assign", &OptionTexts::assign)
-      .def("names", &OptionTexts::names);
+      .def("assign", &OptionTexts::assign);
   bind_task(module);
   bind_access(module);
   translate_farm_errors();

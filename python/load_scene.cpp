@@ -91,7 +91,6 @@ std::vector<std::string> check(py::handle scene, const std::string& assets) {
 void bind_load(py::module_& module) {
   module.def("load", &load, "Reads a scene from a file.");
   module.def("check", &check, "Raises what a render of a scene would raise before it traces.");
-  module.def("readable_endings", &readable_endings, "The endings of files that `load` reads.");
   module.def("summary", &summary_of, "What a scene holds.");
 }
 

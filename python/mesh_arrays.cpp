@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -17,7 +18,6 @@
 #include "python/array_kernels.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
-#include "python/gil.h"
 #include "python/interruptible.h"
 #include "renderer/film/tile.h"
 #include "renderer/math/encodings.h"
@@ -119,14 +119,16 @@ std::shared_ptr<const uint32_t[]> to_indices(const ArraySource& source, const st
 std::vector<float> to_colors(const ArraySource& source) {
   const bool is_code = source.kind == 'u' && source.item_size <= 2;
   const double largest = source.item_size == 1 ? 255 : 65535;
-  auto [colors, worst] =
-      run_unlocked(bytes_worked_on(source), [source, is_code, largest](const std::atomic<bool>&) {
+  // To decode a code takes as long as to hash about 32 bytes.
+  auto [colors, worst] = run_unlocked(
+      bytes_worked_on(source) * (is_code ? 32 : 1),
+      [source, is_code, largest](const std::atomic<bool>& stop) {
         const py::ssize_t columns = source.shape.size() == 2 ? source.shape[1] : 4;
         std::vector<float> made;
         made.reserve(static_cast<size_t>(source.count() / columns * 4));
         py::ssize_t column = 0;
         double wrong = 0;
-        for_each_element<double>(source, 0, source.count(), [&](double value) {
+        for_each_element<double>(source, stop, [&](double value) {
           const double level = is_code ? value / largest : value;
           if (level < 0 || level > 1) wrong = level;
           made.push_back(static_cast<float>(is_code && column < 3 ? srgb_to_linear(level) : level));
@@ -143,7 +145,7 @@ std::vector<float> to_colors(const ArraySource& source) {
 }
 
 std::vector<float> to_floats(const ArraySource& source) {
-  return run_unlocked(bytes_worked_on(source), [source](const std::atomic<bool>&) {
+  return run_unlocked(bytes_worked_on(source), [source](const std::atomic<bool>& stop) {
     std::vector<float> floats;
     if (source.is_plain(kElementOf<float>)) {
       floats.resize(static_cast<size_t>(source.count()));
@@ -151,8 +153,7 @@ std::vector<float> to_floats(const ArraySource& source) {
       return floats;
     }
     floats.reserve(static_cast<size_t>(source.count()));
-    for_each_element<float>(source, 0, source.count(),
-                            [&](float number) { floats.push_back(number); });
+    for_each_element<float>(source, stop, [&](float number) { floats.push_back(number); });
     return floats;
   });
 }
@@ -345,18 +346,12 @@ py::object take_blob_array(py::handle given, const std::string& field, py::handl
 
 std::pair<Digest, BlobData> blob_of(const Array& array) {
   if (!array.blob().second) {
-    const auto make = [kept = array.owner(), bytes = array.bytes()](const std::atomic<bool>&) {
-      return std::pair(Digest::of(bytes), BlobData(Blob::share(kept, bytes)));
-    };
-    constexpr size_t kLong = size_t{1} << 20;  // for less to start a thread would take longer
-    std::pair<Digest, BlobData> made;
-    if (array.bytes().size() > kLong) {
-      made = run_abandonably(make);
-    } else {
-      const GilRelease unlocked;
-      made = make(false);
-    }
-    array.blob() = std::move(made);  // with the GIL: others may look at it at once
+    const std::span<const std::byte> bytes = array.bytes();
+    // Assigned with the GIL held, as other threads may read it at any time.
+    array.blob() =
+        run_unlocked(bytes.size(), [kept = array.owner(), bytes](const std::atomic<bool>&) {
+          return std::pair(Digest::of(bytes), BlobData(Blob::share(kept, bytes)));
+        });
   }
   return array.blob();
 }

@@ -76,7 +76,7 @@ Array describe(py::handle value) {
     ValueReader(scene, blobs).read(value, scene);
     return described(nullptr, std::move(scene));
   }
-  // The message of a shape has no room for its transform, which a node has.
+  // The transform of a shape is a field of its node's message, not of its own.
   const bool is_shape = made->message == v1::Shape::descriptor();
   const pb::Descriptor* type = is_shape ? v1::Node::descriptor() : made->message;
   std::unique_ptr<pb::Message> message(

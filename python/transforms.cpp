@@ -3,13 +3,14 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <optional>
+#include <utility>
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "python/array_source.h"
 #include "python/bindings.h"
-#include "python/gil.h"
+#include "python/interruptible.h"
 #include "python/value_reader.h"
 #include "renderer/math/transform.h"
 #include "scenes/import/to_affine.h"
@@ -56,27 +57,30 @@ Array take_matrices(py::handle given, const std::string& name) {
   if (shape.size() != 3 || (shape[1] != 3 && shape[1] != 4) || shape[2] != 4) {
     wrong_shape(name, source.shape, "(any, 3, 4) or (any, 4, 4)");
   }
-  std::vector<double> numbers;
-  std::optional<GilRelease> unlocked(std::in_place);
-  numbers.reserve(static_cast<size_t>(shape[0] * 12));
-  const py::ssize_t of_one = shape[1] * 4;
-  constexpr double kLastRow[] = {0, 0, 0, 1};
-  py::ssize_t at = 0, bad = -1;
-  for_each_element<double>(source, 0, source.count(), [&](double number) {
-    const py::ssize_t place = at % of_one;
-    const bool is_right = place < 12 ? std::isfinite(number) : number == kLastRow[place - 12];
-    if (!is_right && bad < 0) bad = at / of_one;
-    if (place < 12) numbers.push_back(number);
-    ++at;
-  });
-  unlocked.reset();
-  if (bad >= 0) {
+  const py::ssize_t count = shape[0] * 12, of_one = shape[1] * 4;
+  auto [matrices, wrong] = run_unlocked(
+      static_cast<size_t>(count) * sizeof(double),
+      [source, count, of_one](const std::atomic<bool>& stop) {
+        std::vector<double> numbers;
+        numbers.reserve(static_cast<size_t>(count));
+        constexpr double kLastRow[] = {0, 0, 0, 1};
+        py::ssize_t at = 0, bad = -1;
+        for_each_element<double>(source, stop, [&](double number) {
+          const py::ssize_t place = at % of_one;
+          const bool is_right = place < 12 ? std::isfinite(number) : number == kLastRow[place - 12];
+          if (!is_right && bad < 0) bad = at / of_one;
+          if (place < 12) numbers.push_back(number);
+          ++at;
+        });
+        return std::pair(std::move(numbers), bad);
+      });
+  if (wrong >= 0) {
     throw py::value_error(fmt::format(
         "{}: matrix {} has a number that is not finite, or a fourth row; expected finite numbers "
         "and, if there is a fourth row, 0 0 0 1",
-        name, bad));
+        name, wrong));
   }
-  return {std::move(numbers), {shape[0], 3, 4}};
+  return {std::move(matrices), {shape[0], 3, 4}};
 }
 
 }  // namespace

@@ -236,7 +236,8 @@ void add_union(const pb::Descriptor& message, std::vector<PythonClass>& classes)
   if (message.name() == "Shape") {
     base.common.push_back({.name = "transform",
                            .type = kTaken.at("Transform"),
-                           .doc = "Comes behind the transform of the node that holds the shape."});
+                           .doc = "comes behind the transform of the node that holds the "
+                                  "shape; default none"});
   }
   classes.push_back(base);
   const pb::OneofDescriptor& kinds = *kinds_of(message);

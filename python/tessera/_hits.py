@@ -176,7 +176,7 @@ class Hits(Located):
 
     @property
     def hit(self) -> Bools:
-        """Whether anything was hit."""
+        """Whether anything was hit: bool in the rays' shape."""
         from ._numpy import numpy as np
         for name in ("instance", "primitive"):
             if name in self._arrays:

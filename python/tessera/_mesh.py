@@ -9,7 +9,7 @@ from typing import (TYPE_CHECKING, Any, Generic, Iterable, Mapping, NoReturn, Op
 from . import _core, _messages
 from ._arguments import boolean, number, with_article
 from ._array import as_ndarray
-from ._callers import here, level_of_caller
+from ._callers import level_of_caller
 from ._placing import Shape
 from ._transforms import Transform
 from ._types import ArrayLike
@@ -128,7 +128,6 @@ class Mesh(_messages.Mesh, Shape):
                          flip_normals=flip_normals, transform=transform,
                          inline_positions=inline_positions, inline_triangles=inline_triangles,
                          inline_normals=inline_normals, inline_uvs=inline_uvs, **unknown)
-        self._place = here()
         self._is_told = False
         if positions is not None:
             count = self._take_positions(positions, copy, recenter)
@@ -160,7 +159,8 @@ class Mesh(_messages.Mesh, Shape):
     def merge_vertices(self, distance: float) -> Mesh:
         """A copy in which each vertex lies at the first within that distance in metres, > 0, that stays
         itself, so that they count as one: slits close. Rows stay what they are, with their normals, uvs
-        and colors; the renderer leaves out triangles whose corners coincide."""
+        and colors; the renderer leaves out triangles whose corners coincide. Raises UsageError for other
+        distances."""
         distance = number("distance", distance)
         if not 0 < distance < math.inf:
             raise UsageError(f"distance: {distance}; expected a length in metres, above 0")
@@ -217,6 +217,7 @@ class Mesh(_messages.Mesh, Shape):
               **unknown: NoReturn) -> Mesh:
         """The mesh of an object that has `vertices` or `points`, and `faces`, `triangles` or `cells`:
         those of trimesh, Open3D and meshio. Cells of meshio that are quads become two triangles each.
+        Raises TypeError for another object, ValueError for other cells, and what `Mesh` raises.
         """
         positions = next((getattr(source, name) for name in ("vertices", "points")
                           if getattr(source, name, None) is not None), None)

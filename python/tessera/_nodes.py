@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 from . import _messages
-from ._callers import here
 from ._placing import Placed, apart, behind
 from ._transforms import Transform
 
@@ -24,6 +23,4 @@ class Node(Placed, _messages.Node):
     def _instance(self) -> Node:
         if not self.children:
             return super()._instance()
-        made = Node(self.name, instance_of=_messages.Object(nodes=[apart(self)]))
-        made._place = here()
-        return made
+        return Node(self.name, instance_of=_messages.Object(nodes=[apart(self)]))

@@ -1,10 +1,9 @@
 """Shapes by other means than their fields."""
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, NoReturn, Optional, Sequence, Union
+from typing import Any, Dict, Iterable, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _messages
-from ._callers import here
 from ._core import Vec
 from ._mesh import Mesh
 from ._messages import Material
@@ -12,6 +11,7 @@ from ._placing import Shape
 from ._transforms import Transform, matrix
 from ._types import VectorLike
 from .errors import SceneError
+
 
 class Sphere(_messages.Sphere, Shape):
     __slots__ = ()
@@ -53,16 +53,13 @@ class Plane(_messages.Plane, Shape):
                 material: Optional[Union[str, Material]] = None, **unknown: NoReturn) -> Plane:
         """The plane through three points, in metres; its normal is (b - a) x (c - a). Raises SceneError for
         points on one line."""
-        fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
-                                      flip_normals=flip_normals, transform=transform)
+        fields = _common_fields(locals())
         corner = Vec(a)
         normal = (Vec(b) - corner).cross(Vec(c) - corner)
         if normal.length == 0:
             raise SceneError("through: points on one line; expected three that span a plane")
         normal = normal.normalized()
-        made = cls(normal, normal.dot(corner), **fields)
-        made._place = here()
-        return made
+        return cls(normal, normal.dot(corner), **fields)
 
 
 class Rectangle(_messages.Rectangle, Shape):
@@ -85,17 +82,13 @@ class Rectangle(_messages.Rectangle, Shape):
 
         Raises SceneError for corners that do not lie in one plane, or enclose no area.
         """
-        fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
-                                      flip_normals=flip_normals, transform=transform)
+        fields = _common_fields(locals())
         corners = [Vec(corner) for corner in (a, b, c, d)]
         _check_flat(corners)
         a, b, c, d = corners
         if (a + c - b - d).length <= _ROUNDING * max(p.length for p in corners):
-            made: Union[Rectangle, Polygon] = cls(a, b - a, d - a, **fields)
-        else:
-            made = Polygon(corners, **fields)
-        made._place = here()
-        return made
+            return cls(a, b - a, d - a, **fields)
+        return Polygon(corners, **fields)
 
 
 class Box(_messages.Box, Shape):
@@ -118,8 +111,7 @@ class Box(_messages.Box, Shape):
 
         Raises SceneError for another number of corners, or for a body of no volume.
         """
-        fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
-                                      flip_normals=flip_normals, transform=transform)
+        fields = _common_fields(locals())
         points = [Vec(corner) for corner in corners]
         if len(points) != 8:
             raise SceneError(f"corners: {len(points)}; expected 8")
@@ -136,14 +128,12 @@ class Box(_messages.Box, Shape):
             raise SceneError("corners: a body of no volume; expected two faces, one over the other")
         if off > _ROUNDING * size:
             faces = _FACES if volume > 0 else [(i, k, j) for i, j, k in _FACES]
-            made: Union[Box, Mesh] = Mesh([tuple(p) for p in points], faces, closed=True, **fields)
-        elif all(sum(x != 0 for x in edge) == 1 for edge in (u, v, w)):
-            made = cls([min(xs) for xs in zip(a, g)], [max(xs) for xs in zip(a, g)], **fields)
-        else:
-            rows = [[u[i], v[i], w[i], a[i]] for i in range(3)]
-            made = cls((0, 0, 0), (1, 1, 1), **fields)
-            made.transform = matrix(rows) if made.transform is None else made.transform @ matrix(rows)
-        made._place = here()
+            return Mesh([tuple(p) for p in points], faces, closed=True, **fields)
+        if all(sum(x != 0 for x in edge) == 1 for edge in (u, v, w)):
+            return cls([min(xs) for xs in zip(a, g)], [max(xs) for xs in zip(a, g)], **fields)
+        rows = [[u[i], v[i], w[i], a[i]] for i in range(3)]
+        made = cls((0, 0, 0), (1, 1, 1), **fields)
+        made.transform = matrix(rows) if made.transform is None else made.transform @ matrix(rows)
         return made
 
 
@@ -156,13 +146,11 @@ def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, *, name: Optional[str]
     front. Its edges belong to it. Many triangles are better one `Mesh`. Raises TypeError or ValueError
     for what is no vector of three numbers.
     """
-    fields: Dict[str, Any] = dict(unknown, name=name, materials=materials, material=material,
-                                  flip_normals=flip_normals, transform=transform)
-    made = Polygon([Vec(a), Vec(b), Vec(c)], **fields)
-    made._place = here()
-    return made
+    fields = _common_fields(locals())
+    return Polygon([Vec(a), Vec(b), Vec(c)], **fields)
 
 
+_COMMON = ("name", "materials", "material", "flip_normals", "transform")
 # Of a coordinate: what sums and differences of a few coordinates may be off by rounding.
 _ROUNDING = 2.0 ** -48
 # How far off its plane a polygon's corner may lie, of its extent: as the renderer has it.
@@ -172,6 +160,11 @@ _FLATNESS = 1e-6
 _FACES = [triangle for i, j, k, l in ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5),
                                       (2, 3, 7, 6), (3, 0, 4, 7))
           for triangle in ((i, j, k), (i, k, l))]
+
+
+def _common_fields(arguments: Mapping[str, Any]) -> Dict[str, Any]:
+    """The keywords that every shape takes, and unknown ones, of the arguments of a function."""
+    return {**arguments["unknown"], **{name: arguments[name] for name in _COMMON}}
 
 
 def _check_flat(corners: Sequence[Vec]) -> None:

@@ -7,7 +7,7 @@ from typing import NoReturn, Optional, Union
 
 from . import _core, _messages
 from ._arguments import plain_text
-from ._callers import here, level_of_caller
+from ._callers import level_of_caller
 from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
 from ._transforms import Transform
 from ._types import ArrayLike, Path
@@ -45,7 +45,6 @@ class ImageTexture(_messages.ImageTexture):
                          encoding=encoding, filter=filter, file=file,
                          texels_at_corners=texels_at_corners, associated_alpha=associated_alpha,
                          name=name, mapping=mapping, transform=transform, **unknown)
-        self._place = here()
         if isinstance(picture, (str, os.PathLike)):
             self.file = plain_text("picture", picture)
             if not os.path.exists(self.file):

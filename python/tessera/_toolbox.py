@@ -5,11 +5,10 @@ from typing import NoReturn, Optional, Union
 
 from . import _messages
 from ._arguments import refuse_unknown
-from ._callers import here
 from ._colors import color
 from ._core import Vec
 from ._messages import (ClassicDiffuseModel, ClassicTransmission, Material, MaterialAlpha,
-                        MaterialSides, Texture)
+                       MaterialSides, Texture)
 from ._types import ColorLike, VectorLike
 from ._value_types import ColorInputLike, FloatInputLike
 
@@ -69,7 +68,7 @@ class Classic(_messages.Classic):
         if diffuse is None:
             diffuse = 0 if mirror else 1
         tint = Vec(color(colour))
-        made = cls(diffuse=tint * diffuse, ambient=tint * ambient, specular=(highlight,) * 3,
+        return cls(diffuse=tint * diffuse, ambient=tint * ambient, specular=(highlight,) * 3,
                    specular_model="phong", shininess=1, grain=roughness,
                    reflectivity=(1, 1, 1) if mirror else None, emission=emission,
                    transparency=transparency, refractive_index=refractive_index,
@@ -77,5 +76,3 @@ class Classic(_messages.Classic):
                    diffuse_exponent=diffuse_exponent, flat=flat, name=name, sides=sides, back=back,
                    normal_map=normal_map, bump=bump, alpha=alpha, alpha_cutoff=alpha_cutoff,
                    opacity=opacity, normal_scale=normal_scale)
-        made._place = here()
-        return made

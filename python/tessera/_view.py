@@ -8,7 +8,6 @@ from typing import (TYPE_CHECKING, Any, Callable, Generic, Iterable, NoReturn, O
 
 from . import _messages
 from ._arguments import number, whole
-from ._callers import here
 from ._core import Vec
 from ._messages import (BackgroundCube, BackgroundGradient, BackgroundPanorama, BackgroundRings,
                         BackgroundSunAndSky, LensFocalSurface, LensRadiusUnit, LensShape, Light,
@@ -84,12 +83,10 @@ class Camera(_messages.Camera):
         perspective = Perspective(2 * math.degrees(math.atan(width / (2 * fx))), "horizontal",
                                   shift_x=0.5 - (cx + 0.5) / width, shift_y=(cy + 0.5) / height - 0.5,
                                   pixel_aspect=fy / fx)
-        camera = cls(name=name, description=description, world_from_camera=world_from_camera, keys=keys,
-                     perspective=perspective, lens=lens, headlight=headlight,
-                     near_distance=near_distance, far_distance=far_distance, frame_all=frame_all,
-                     **unknown)
-        camera._place = here()
-        return camera
+        return cls(name=name, description=description, world_from_camera=world_from_camera, keys=keys,
+                   perspective=perspective, lens=lens, headlight=headlight,
+                   near_distance=near_distance, far_distance=far_distance, frame_all=frame_all,
+                   **unknown)
 
     @classmethod
     def screen(cls, eye: VectorLike, centre: VectorLike, width: float, *,
@@ -104,12 +101,10 @@ class Camera(_messages.Camera):
         """
         distance = (Vec(centre) - Vec(eye)).length
         angle = 2 * math.degrees(math.atan2(width, distance))
-        camera = cls.look_at(eye, centre, (0, 0, 1), angle, "horizontal", name=name,
-                             description=description, keys=keys, lens=lens, headlight=headlight,
-                             near_distance=near_distance, far_distance=far_distance,
-                             frame_all=frame_all, **unknown)
-        camera._place = here()
-        return camera
+        return cls.look_at(eye, centre, (0, 0, 1), angle, "horizontal", name=name,
+                           description=description, keys=keys, lens=lens, headlight=headlight,
+                           near_distance=near_distance, far_distance=far_distance,
+                           frame_all=frame_all, **unknown)
 
     @classmethod
     def look_at(cls, eye: VectorLike, target: VectorLike, up: VectorLike = (0, 1, 0),
@@ -128,13 +123,11 @@ class Camera(_messages.Camera):
         A render raises SceneError for values out of their range, and for a target at the eye."""
         if perspective is None and (fov is not None or axis is not None):
             perspective = Perspective(fov, axis)
-        camera = cls(name=name, description=description, world_from_camera=look_at(eye, target, up),
-                     keys=keys, perspective=perspective, orthographic=orthographic,
-                     spherical=spherical, cylindrical=cylindrical, lens=lens, headlight=headlight,
-                     near_distance=near_distance, far_distance=far_distance, frame_all=frame_all,
-                     **unknown)
-        camera._place = here()
-        return camera
+        return cls(name=name, description=description, world_from_camera=look_at(eye, target, up),
+                   keys=keys, perspective=perspective, orthographic=orthographic,
+                   spherical=spherical, cylindrical=cylindrical, lens=lens, headlight=headlight,
+                   near_distance=near_distance, far_distance=far_distance, frame_all=frame_all,
+                   **unknown)
 
 
 class Lens(_messages.Lens):
@@ -159,7 +152,6 @@ class Lens(_messages.Lens):
         super().__init__(radius_x=radius_x, radius_y=radius_y, focal_distance=focal_distance,
                          shape=shape, blades=blades, focal_surface=focal_surface, samples=samples,
                          radius_unit=radius_unit, **unknown)
-        self._place = here()
 
 
 class _FieldOrMaker(Generic[Arguments, Field]):

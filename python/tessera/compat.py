@@ -36,7 +36,8 @@ class MeshIntersector:
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                       return_locations: bool = False, multiple_hits: bool = True,
                       ) -> Union[Tuple[Integers, Integers], Tuple[Integers, Integers, Doubles]]:
-        """The triangles that are hit, and the ray of each; with `return_locations` the points too."""
+        """The triangles that are hit, and the ray of each; with `return_locations` the points too.
+        Raises UsageError for arrays of other shapes than (n, 3)."""
         from ._numpy import numpy as np
         if multiple_hits:
             hits = self._tracer.intersect_all(ray_origins, ray_directions)
@@ -53,23 +54,26 @@ class MeshIntersector:
     @tells_unknown
     def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike,
                             multiple_hits: bool = True) -> Tuple[Doubles, Integers, Integers]:
-        """The points that are hit, the ray of each, and the triangle of each."""
+        """The points that are hit, the ray of each, and the triangle of each. Raises UsageError for arrays of
+        other shapes than (n, 3)."""
         triangle, ray, points = self.intersects_id(ray_origins, ray_directions, True, multiple_hits)
         return points, ray, triangle
 
     @tells_unknown
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Integers:
-        """The first triangle that each ray hits; -1 where there is none."""
+        """The first triangle that each ray hits, (n,); -1 where there is none. Raises UsageError for arrays of
+        other shapes than (n, 3)."""
         from ._numpy import numpy as np
         first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
         return np.where(first.hit, first.primitive.astype(np.int64), -1)
 
     @tells_unknown
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Bools:
-        """Whether each ray hits anything."""
+        """Whether each ray hits anything, (n,). Raises UsageError for arrays of other shapes than (n, 3)."""
         return self._tracer.occluded(ray_origins, ray_directions).copy()
 
     @tells_unknown
     def contains_points(self, points: ArrayLike) -> Bools:
-        """Whether each point is inside the mesh; all False where it is not closed."""
+        """Whether each point is inside the mesh, (n,); all False where it is not closed. Raises UsageError
+        for arrays of other shapes than (n, 3)."""
         return self._tracer.contains(points).copy()

@@ -85,7 +85,8 @@ class Farm(BaseFarm):
                **unknown: NoReturn) -> Job:
         """Leaves a scene, or the frames of its animation that `frames` tells, as (first, last), a
         range or text such as "1,5,10-20" or "1-100x5", to the farm: returns once it has all of it, a
-        job of at most 10,000 frames. The options are those of `tessera submit`."""
+        job of at most 10,000 frames. The options are those of `tessera submit`. Raises what `render`
+        raises for them, UsageError for frames that are none, FarmError where the farm is gone."""
         options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
         if unknown:
             refuse_unknown("submit", unknown, [*options, *sorted(_OF_JOBS - {"self", "unknown"})])
@@ -107,7 +108,8 @@ class Farm(BaseFarm):
         return [Job(self, job["job"]) for job in json.loads(self._ask().list())["jobs"]]
 
     def job(self, job: Union[int, str]) -> "Job":
-        """The job of that number, or the latest of that name; "name:7" is a name, "7" a number."""
+        """The job of that number, or the latest of that name; "name:7" is a name, "7" a number. Raises
+        UsageError where there is none, FarmError where the farm is gone."""
         if isinstance(job, bool) or not isinstance(job, (int, str)):
             raise TypeError(f"job: {job!r:.100}; expected the number or the name of a job")
         number, told = self._ask().find(named_text("job", str(job)))
@@ -184,7 +186,7 @@ class Job:
         raise AssertionError("watch() ends with an end")
 
     def frames(self) -> Sequence[int]:
-        """The numbers of its frames; one that is no animation has frame 0."""
+        """Its frames by their numbers; one that is no animation has frame 0."""
         return self.farm._ask().frames(self.number)
 
     def fetch(self, frame: Optional[int] = None, *, denoise: bool = False) -> Image:
@@ -207,8 +209,8 @@ class Job:
         return image
 
     def snapshot(self, frame: Optional[int] = None) -> Optional[Image]:
-        """What is done of a frame, of the first if left out, whatever became of it; the rest is black.
-        None where nothing is. Raises UsageError for the number of no frame of the job."""
+        """What is done of a frame by its number, of the first if left out, whatever became of it; the rest is
+        black. None where nothing is. Raises UsageError for the number of no frame of the job."""
         at = self._place_of(frame)
         access = self.farm._ask()
         fetched = access.fetch(self.number, at, False)

@@ -116,17 +116,17 @@ class Image:
 
     @property
     def height(self) -> int:
-        """Rows."""
+        """Rows of pixels, of the crop if there was one."""
         return self._picture.height
 
     @property
     def size(self) -> Tuple[int, int]:
-        """(width, height), as `render` takes it."""
+        """(width, height) in pixels, as `render` takes it."""
         return self.width, self.height
 
     @property
     def shape(self) -> Tuple[int, int, int]:
-        """(height, width, 3), that of `linear`."""
+        """(height, width, 3), in pixels: that of `linear`."""
         return self.height, self.width, 3
 
     @functools.cached_property
@@ -152,7 +152,7 @@ class Image:
         are (h, w) uint32, origin (h, w, 8) uint32. Raises UsageError for one that was not rendered."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected the name of an AOV")
-        first, count, is_whole = self._picture.place_of(named_text("name", name))
+        first, count, is_whole = self._picture.channels_of(named_text("name", name))
         values: Any = as_ndarray(self._picture.values)
         if is_whole or not hasattr(values, "strides"):
             return as_ndarray(self._picture.channels(name))

@@ -167,7 +167,16 @@ class Tracer:
                   cull: Cull = "none", threads: Optional[int] = None,
                   fields: Union[None, HitField, Iterable[HitField]] = None) -> Hits:
         """The closest hit of each ray. `fields` names what is wanted of t, instance, primitive and
-        uv; all, if it is left out."""
+        uv; all, if it is left out.
+
+        :param origins: points in metres, (..., 3).
+        :param directions: (..., 3), which broadcasts with the origins.
+        :param t_min: from where on a ray is looked at, in lengths of its direction, >= 0: one number, or
+            one for each ray.
+        :param t_max: up to where.
+        :param threads: how many trace, from 1 to 1024; those of the tracer if left out.
+
+        Raises UsageError for other shapes, words and numbers."""
         from ._numpy import numpy as np
         wanted: Sequence[HitField] = (_FIELDS if fields is None else [fields] if isinstance(fields, str)
                                       else several(fields, "fields", _SOME_FIELDS))
@@ -192,7 +201,8 @@ class Tracer:
                  t_min: Union[float, ArrayLike] = 0.0,
                  t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                  threads: Optional[int] = None) -> Bools:
-        """Whether each ray hits anything."""
+        """Whether each ray hits anything: bool in the rays' shape. Takes the arguments of
+        `Tracer.intersect` and raises what that raises."""
         from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, bool)
@@ -206,7 +216,8 @@ class Tracer:
                       t_min: Union[float, ArrayLike] = 0.0,
                       t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                       threads: Optional[int] = None) -> AllHits:
-        """All hits of each ray, each once."""
+        """All hits of each ray, each once. Takes the arguments of `Tracer.intersect` and raises what that
+        raises."""
         from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         kept, empty = rays.to_keep()
@@ -220,7 +231,8 @@ class Tracer:
                   t_min: Union[float, ArrayLike] = 0.0, t_max: Union[float, ArrayLike] = float("inf"),
                   threads: Optional[int] = None) -> npt.NDArray[np.int32]:
         """How often each ray passes from front to back, less how often from back to front. Through
-        an edge or vertex of a mesh it passes once."""
+        an edge or vertex of a mesh it passes once. int32 in the rays' shape. Takes the arguments of
+        `Tracer.intersect` and raises what that raises."""
         from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, np.int32)
@@ -240,7 +252,8 @@ class Tracer:
             go around at least half is inside, by the generalised winding number (Jacobson 2013); of
             closed meshes and solids both say the same.
         :param closed: what "parity" does with meshes that are not closed: SceneWarning tells of the
-            first, or UsageError refuses it, as always where `shape` means it."""
+            first, or UsageError refuses it, as always where `shape` means it.
+        :param threads: how many trace, from 1 to 1024; those of the tracer if left out."""
         from ._numpy import numpy as np
         by_winding = _choice("method", method, _METHODS) == "winding"
         refuses = _choice("closed", closed, ("warn", "error")) == "error"
@@ -293,8 +306,10 @@ class Tracer:
         those of a pinhole without bounds: the camera's lens, `near_distance` and `far_distance` have no
         part in them; give the distances to queries as `t_min` and `t_max`.
 
-        :param size: (width, height); left out, that of the scene.
+        :param size: (width, height), each from 1 to 65536 pixels; left out, that of the scene.
         :param camera: the name of one; left out, the tracer's.
+
+        Raises UsageError for other sizes, and for the name of no camera.
         """
         from ._numpy import numpy as np
         sides = several(self._core.size() if size is None else size, "size")
@@ -313,6 +328,8 @@ class Tracer:
         world, float64 in the shape of the hits, (..., 3); NaN where there is no hit.
 
         :param directions: one for each hit, or one for all; of any length.
+
+        Raises UsageError for directions of another shape.
         """
         from ._numpy import numpy as np
         if not isinstance(hits, Located):
@@ -351,7 +368,7 @@ class Tracer:
 
     @property
     def statistics(self) -> Dict[str, float]:
-        """What is held, and what building took."""
+        """How many primitives, nodes and the like are held, in how many bytes, and the seconds that building took."""
         return self._core.statistics()
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> Tuple[Any, ...]:

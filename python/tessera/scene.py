@@ -9,7 +9,6 @@ from typing import (TYPE_CHECKING, Any, Dict, Generic, Iterable, Iterator, List,
 from . import _core, _messages, rendering
 from ._arguments import (file_name, folder_text, frame_number, nearest, refuse_unknown, several,
                          tells_unknown, with_article)
-from ._callers import here
 from ._graph import Instances, flat, with_material
 from ._html import table
 from ._local_farms import BaseFarm
@@ -190,7 +189,6 @@ class Scene(_messages.Scene):
         super().__init__(metadata=metadata, settings=settings, cameras=cameras, fog=fog,
                          materials=materials, textures=textures, objects=objects, nodes=nodes,
                          includes=includes, **unknown)
-        self._place = here()
         for name, value in flat_settings.items():
             if value is not None:
                 setattr(self, name, value)
@@ -357,7 +355,13 @@ class Scene(_messages.Scene):
                geometry_only: bool = True, assets: Optional[Path] = None) -> Tracer:
         """What answers questions about rays; see `tessera.rays`.
 
+        :param time: the instant that it shows, in seconds; left out, that of the scene.
+        :param camera: the name of the one whose rays `Tracer.camera_rays` makes; left out, the first.
+        :param accel: what finds hits; all find the same.
+        :param threads: how many build it and trace, from 1 to 1024; one a core if left out.
         :param assets: where included files are, as of `render`.
+
+        Raises SceneError, with the script's line, for what cannot be built.
         """
         from . import rays
         with located_errors(self):
@@ -380,9 +384,10 @@ class Scene(_messages.Scene):
                farm: Optional[BaseFarm] = None, progress: ProgressOption = None,
                on_tile: Optional[TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:
-        """Renders frames one after the other: pairs of number and picture. The options mean what
-        those of `render` do. Without `farm` the same workers render all of them. Numbers left out are those of
-        `settings.frames`, whose `per_second` tells at which time a frame is."""
+        """Renders the frames of the numbers `first` to `last`, one after the other: pairs of number and
+        picture. The options mean what those of `render` do. Without `farm` the same workers render all of
+        them. Numbers left out are those of `settings.frames`, whose `per_second` tells at which time a
+        frame is."""
         options = {name: value for name, value in locals().items()
                    if name not in ("self", "first", "last", "unknown")}
         if unknown:

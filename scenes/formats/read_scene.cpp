@@ -44,10 +44,7 @@ constexpr std::array<std::string_view, 20> kOthers{
     "fbx", "dae", "blend", "3ds", "usd", "usda", "usdc", "usdz", "abc", "pbrt",
     "mtl", "xml", "pov",   "rib", "3mf", "off",  "lwo",  "c4d",  "ma",  "mb"};
 
-std::string readable() {
-  std::vector<std::string> endings = readable_endings();
-  return fmt::format("one of {}", fmt::join(endings, ", "));
-}
+std::string readable() { return fmt::format("one of .{}", fmt::join(kFormats, ", .")); }
 
 std::string head_of(const std::string& path) {
   constexpr size_t kEnough = 4096;
@@ -280,12 +277,6 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   if (options.origins) loaded.origins.settle(loaded.scene);
   check_scene(loaded.scene, path);
   return loaded;
-}
-
-std::vector<std::string> readable_endings() {
-  std::vector<std::string> endings;
-  for (const std::string_view format : kFormats) endings.push_back(fmt::format(".{}", format));
-  return endings;
 }
 
 }  // namespace tessera

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "scenes/import/loaded_scene.h"
 
@@ -15,8 +14,5 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options = {})
 /// Reads what a scene that was made, not read, includes, and what is to be placed into it, as if it
 /// were a file `name` of the current folder.
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options);
-
-/// The endings of the files that read_scene reads, with a dot, in the order of the documentation.
-std::vector<std::string> readable_endings();
 
 }  // namespace tessera

@@ -9,6 +9,7 @@ import pytest
 
 import tessera as ts
 from conftest import SANITIZER
+from tessera._callers import where
 
 IDENTITY = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
 LINES = pathlib.Path(__file__).read_text(encoding="utf-8").splitlines()
@@ -371,6 +372,24 @@ def test_what_the_renderer_refuses_of_parts_without_names_has_its_line_in_the_sc
         assert caught.value.path == path
         line = int(caught.value.place.rpartition(":")[2])
         assert caught.value.place == f"{__file__}:{line}" and "lambda: " in LINES[line - 1]
+
+
+CUBE = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+
+
+@pytest.mark.parametrize("make", [
+    lambda: ts.Sphere(), lambda: ts.Scene(), lambda: ts.Lens(radius=1), lambda: ts.Mesh(CUBE[:3]),
+    lambda: ts.Mesh.from_(type("Source", (), {"points": CUBE, "faces": [(0, 1, 2)]})),
+    lambda: ts.ImageTexture(np.zeros((2, 2, 3))), lambda: ts.Instances("ball", [IDENTITY]),
+    lambda: ts.Camera.look_at((0, 0, 5), (0, 0, 0)), lambda: ts.Camera.screen((0, 1, 0), (0, 0, 0), 1),
+    lambda: ts.Camera.from_intrinsics(9, 9, 4, 4, 8, 8), lambda: ts.Plane.through(*CUBE[:3]),
+    lambda: ts.Rectangle.from_corners(*CUBE[:4]), lambda: ts.Rectangle.from_corners(*CUBE[:3], (0, .5, 0)),
+    lambda: ts.Box.from_corners(CUBE), lambda: ts.Box.from_corners(CUBE[:7] + [(0, 1, 2)]),
+    lambda: ts.Box.from_corners([(x + y, y, z) for x, y, z in CUBE]), lambda: ts.Triangle(*CUBE[:3]),
+    lambda: ts.Classic.toolbox(), lambda: ts.Node(children=[ts.Sphere()]).copy(), lambda: ts.Sphere() | ts.Box(),
+    lambda: ts.Scene().add(ts.Sphere()), lambda: ts.Background.solid("red"), lambda: ts.translate(1, 2, 3)])
+def test_whatever_makes_a_value_keeps_the_line_of_the_script(make):
+    assert where(make()) == (__file__, make.__code__.co_firstlineno)
 
 
 @pytest.mark.parametrize("light, path", [

@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 import tessera as ts
-from public_calls import LARGE, SMALL, SPECIAL, public_calls
+from public_calls import LARGE, SMALL, UNIT, is_special, public_calls
 from tessera import _core, compat
 
 CALLS = public_calls()
@@ -38,57 +38,93 @@ def test_each_call_is_in_one_table():
 
 # Words: units, ranges, shapes and errors.
 
-WORDS = {name: inspect.getdoc(function_of(call)) or "" for name, call in CALLS.items()}
 NUMBER = re.compile(r"\b(float|int)\b")
 ARRAY = re.compile(r"ArrayLike|VectorLike|TransformsLike|NDArray|Doubles|Floats|Numbers|Bools|Integers|Rows")
 SHAPE = re.compile(r"\((\.\.\.|[a-z0-9]+)(, [^()]*)?,?\)|\b(shape|vectors?|points?)\b")
-UNIT = re.compile(r"metre|degree|second|pixel|length|\bfrom \S+ to\b|at least|at most|above|below|number|count|bits|"
-                  r"stops|share|unit|how many|default")
 ERROR = re.compile(r"Raises|Error|Warning|refuse")
 
 
-def words_of(name):
-    """The docstrings of a call, of its class, and of calls that it refers to."""
+def owner_of(name):
     owner = name.rpartition(".")[0]
-    made = getattr(ts, owner, None) if owner in ts.__all__ else getattr(compat, owner, None)
-    words = [WORDS[name], inspect.getdoc(made) or "" if made else ""]
-    words += [WORDS.get(other, "") for other in re.findall(r"`(\w+(?:\.\w+)?)`", WORDS[name])]
-    return "\n".join(words)
+    return vars(ts).get(owner) or getattr(compat, owner, None)
+
+
+def own_words(name, call):
+    """The docstring of a call; that of the class of a constructor."""
+    return inspect.getdoc(owner_of(name) if name.endswith(".__init__") else function_of(call)) or ""
+
+
+WORDS = {name: own_words(name, call) for name, call in CALLS.items()}
+
+
+def words_of(name):
+    """The words of a call, and of calls that it refers to."""
+    referred = re.findall(r"`(\w+(?:\.\w+)?)`", WORDS[name])
+    return "\n".join([WORDS[name], *(WORDS.get(each, WORDS.get(f"{each}.__init__", "")) for each in referred)])
+
+
+def is_field(made, name):
+    """Whether a class has words for the field of that name: a line, or those of an attribute."""
+    held = inspect.getattr_static(made, name, None)
+    return bool(re.search(rf"^    {name}: \S", inspect.getdoc(made), re.M) or held is not None and held.__doc__)
 
 
 def missing_words(name, call):
     words, parameters = words_of(name), parameters_of(call)
     returned = str(getattr(function_of(call), "__annotations__", {}).get("return", ""))
-    is_of_renders = "`tessera" in words  # whose options its help has
-    owner = getattr(ts, name.partition(".")[0], None)
-    for parameter, kind in parameters.items():
-        is_number = NUMBER.search(kind) and not ARRAY.search(kind)
-        is_field = hasattr(getattr(owner, parameter, None), "__doc__") and name.endswith("__init__")
-        if is_number and not (is_of_renders or is_field or re.search(rf"\b{parameter}\b", words)):
+    kinds = "; ".join((returned, *parameters.values()))
+    told = {parameter for parameter in parameters if re.search(rf"\b{parameter}\b", words)}
+    if re.search("`tessera (render|submit)`|options [^.]*those of `render`", WORDS[name]):  # whose help tells them
+        told |= set(function_of(call).__kwdefaults__ or ())
+    if name.endswith(".__init__") or inspect.ismethod(call):  # of the class, which makes one by its fields
+        told |= {parameter for parameter in parameters if is_field(owner_of(name), parameter)}
+    for parameter in parameters.keys() - told:
+        if NUMBER.search(parameters[parameter]) and not ARRAY.search(parameters[parameter]):
             yield f"what {parameter} is"
-    if any(map(ARRAY.search, (returned, *parameters.values()))) and not SHAPE.search(words):
+    if ARRAY.search(kinds) and not SHAPE.search(words):
         yield "a shape"
-    if any(map(NUMBER.search, (returned, *parameters.values()))) and not UNIT.search(words):
+    if NUMBER.search(kinds) and not UNIT.search(words):
         yield "a unit or range"
     if parameters and not ERROR.search(words):
         yield "an error"
 
 
-@pytest.mark.parametrize("name", [name for name in CALLS if name.rpartition(".")[2] not in SPECIAL])
+@pytest.mark.parametrize("name", [name for name in CALLS if not is_special(name)])
 def test_the_words_tell_units_ranges_shapes_and_errors(name):
-    made_by = name.removesuffix(".__init__")
-    assert WORDS[name] or inspect.getdoc(getattr(ts, made_by, None) or getattr(compat, made_by, None))
+    assert WORDS[name]
     assert list(missing_words(name, CALLS[name])) == []
 
 
 def test_missing_words_are_found(monkeypatch):
-    def moved(points: "ArrayLike", by: "float") -> "Doubles":  # noqa: F821
-        """Somewhere else."""
+    class Cup(ts.Value):
+        """A number of things, by default few. Raises UsageError.
 
-    monkeypatch.setitem(WORDS, "moved", moved.__doc__)
-    assert list(missing_words("moved", moved)) == ["what by is", "a shape", "a unit or range", "an error"]
-    monkeypatch.setitem(WORDS, "moved", "Moves points (n, 3) by so many metres. Raises UsageError.")
-    assert list(missing_words("moved", moved)) == []
+        Attributes:
+            high: metres
+        """
+
+        _FIELDS = ("high", "wide")
+        wide = None
+
+        def __init__(self, high: "float", wide: "float", made: "float" = 1):
+            """Makes one."""
+
+        def moved(self, points: "ArrayLike", far: "float", *, spp: "int" = 1) -> "Doubles":  # noqa: F821
+            """Somewhere else, a number of things from above, by default on, of full length."""
+
+    monkeypatch.setattr(ts, "Cup", Cup, raising=False)
+
+    def missing(name, words=None):
+        call = getattr(Cup, name)
+        monkeypatch.setitem(WORDS, f"Cup.{name}", words or own_words(f"Cup.{name}", call))
+        return set(missing_words(f"Cup.{name}", call))
+
+    assert missing("__init__") == {"what wide is", "what made is"}
+    assert missing("moved") == {"what far is", "what spp is", "a shape", "a unit or range", "an error"}
+    assert missing("moved", "As `tessera render` does with points, so many metres far. Raises UsageError.") == set()
+    assert missing("moved", "As `tessera render` does with points, in metres. Raises UsageError.") == {"what far is"}
+    assert missing("moved", "As `tessera.rays` does with points (n, 3), so many metres far. Raises UsageError.") == {
+        "what spp is"}
 
 
 # Arrays: subclasses of numpy's.
@@ -245,7 +281,7 @@ def test_subclasses_of_arrays_are_taken_or_refused(name, parameter):
 # Errors: ours, that tell what was found and what was expected, and of scenes the script's line.
 
 IMAGE, SCENE = ts.Image.from_array(np.zeros((2, 2, 3))), ts.Scene(nodes=[SPHERE])
-MESH, INSTANCES = ts.Mesh(TRIANGLE, ROWS), ts.Instances("ball", MATRIX[None])
+MESH = ts.Mesh(TRIANGLE, ROWS)
 
 
 def farm():
@@ -351,26 +387,32 @@ WRONG = {
     "solve_quadratic": lambda: ts.solve_quadratic(1, 2, float("inf")),
     "translate": lambda: ts.translate(1, 2),
 }
-#: What returns NotImplemented or takes anything.
-TAKES_ANYTHING = {"Array.__eq__", "Image.__eq__", "Instances.__eq__", "Job.__eq__", "Value.__eq__", "Vec.__eq__",
-                  "Placed.__or__", "Vec.__matmul__", "Array.__reduce_ex__", "Tracer.__reduce_ex__"}
+#: Operators that Python refuses where both sides return NotImplemented.
+OPERATOR = re.compile(r".*\.__(r?(add|sub|mul|truediv|floordiv|mod|pow|matmul|and|or)|lt|le|gt|ge)__")
+TAKES_ANYTHING = re.compile(r".*\.__(eq|reduce_ex|deepcopy|exit)__")
+#: The beginnings of errors that numpy tells: of wrong indices and types of elements.
+OF_NUMPY = {"Hits.__getitem__": "only integers, slices", "Image.__array__": "data type 'x' not understood",
+            "Located.name": "only integers, slices"}
 
 
 def test_each_call_with_parameters_has_a_wrong_one():
-    in_cpp = {name for name, call in CALLS.items() if not parameters_of(call) and name in WRONG}
-    assert set(WRONG) - in_cpp == {name for name, call in CALLS.items() if parameters_of(call)} - TAKES_ANYTHING - {
-        "Transform.inverse"}
+    with_parameters = {name for name, call in CALLS.items() if parameters_of(call)}
+    left = {name for name in with_parameters - set(WRONG) if not OPERATOR.fullmatch(name)}
+    assert left == set(filter(TAKES_ANYTHING.fullmatch, with_parameters)) and set(WRONG) <= set(CALLS)
 
 
-#: Whose wrong indices and types of elements numpy tells, in its own words.
-NUMPYS = {"Hits.__getitem__", "Image.__array__", "Located.name"}
-
-
-@pytest.mark.parametrize("name", [name for name in WRONG if name not in NUMPYS])
+@pytest.mark.parametrize("name", WRONG)
 def test_errors_are_ours(name):
     with pytest.raises((ts.Error, TypeError, ValueError, IndexError)) as told:
         WRONG[name]()
-    assert re.search("; expected |did you mean", str(told.value)), told.value
+    assert re.search(OF_NUMPY.get(name, "; expected |did you mean"), str(told.value)), told.value
+
+
+@pytest.mark.parametrize("name", [name for name in CALLS if OPERATOR.fullmatch(name)])
+def test_operators_leave_what_they_do_not_know_to_the_other_side(name):
+    owner, _, operator = name.rpartition(".")
+    left = {"Color": ts.color("red"), "Placed": SPHERE, "Transform": ts.scale(2), "Vec": ts.Vec(VECTOR)}[owner]
+    assert getattr(left, operator)(object()) is NotImplemented
 
 
 def wrong_scene():

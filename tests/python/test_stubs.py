@@ -14,6 +14,7 @@ import pytest
 
 import tessera as ts
 from tessera import _core, _messages, _types
+from public_calls import UNIT
 from test_docs import ROOT, blocks
 
 PACKAGE = pathlib.Path(ts.__file__).parent
@@ -237,10 +238,36 @@ def test_the_words_of_a_class_tell_each_field():
     assert silent == [] and len(values) > 50
 
 
-#: What tells the unit or the range of a number.
-UNIT = re.compile(r"metre|degree|second|pixel|texel|\b(share|stop|factor|angle|exponent|light|number|grey|black|white|unit|"
-                  r"bounces|alpha|octaves|length|width|height|index|colou?rs?|samples?|blades|corners|cells|weights?)|"
-                  r"[<>]=? ?[0-9]|[0-9] (opaque )?to |in [\[(]|at (least|most)|\bany\b|per |refracti|how many|increasing", re.I)
+#: What tells a default, at the beginning of a clause, or behind the word that it is.
+DEFAULT = re.compile(r'(^|; )(no default|default \S)|\(default\)|^"default": |'
+                     r"(^|[;.] |absent or )(0|none|empty|left out): \S", re.I)
+
+
+#: What tells how much light a colour means.
+LIGHT = re.compile(r"\b(white|black|grey|light|colours)\b")
+
+
+def missing_words(told, annotation):
+    """What the words of a field lack."""
+    is_color = re.search(r"\bColor(Input)?Like\b", annotation)
+    is_number = is_color or re.search(r"\b(float|int|VectorLike|FloatInputLike)\b", annotation)
+    if is_number and not (UNIT.search(told) or is_color and LIGHT.search(told)):
+        yield "a unit or range"
+    if not DEFAULT.search(told):
+        yield "a default"
+
+
+@pytest.mark.parametrize("told, annotation, missing", [
+    ("the number of its default in light and colours", "Optional[float]", ["a unit or range", "a default"]),
+    ("any weight, angle, height or index of an alpha", "Optional[int]", ["a unit or range", "a default"]),
+    ("metres; > 0: a ring", "Optional[float]", ["a default"]),
+    ("what it is", "Optional[ColorLike]", ["a unit or range", "a default"]),
+    ("of white light", "Optional[ColorLike]", ["a default"]), ("absent, but for 0: none", "Optional[str]", ["a default"]),
+    ("metres; default 1", "Optional[float]", []), ("0 to 1; no default", "Optional[float]", []),
+    ("metres; 0: no bound", "Optional[float]", []), ("default black", "Optional[ColorLike]", []),
+    ('"box" (default); "tent"', "Optional[SamplingFilter]", []), ("empty: flat", "Optional[ArrayLike]", [])])
+def test_missing_words_of_a_field_are_found(told, annotation, missing):
+    assert list(missing_words(told, annotation)) == missing
 
 
 def test_the_words_of_a_field_tell_its_unit_or_range_and_its_default():
@@ -249,12 +276,8 @@ def test_the_words_of_a_field_tell_its_unit_or_range_and_its_default():
         for field, annotation in made.__annotations__.items():
             if field.startswith(("_", "inline_")):
                 continue
-            told = re.search(rf"^        {field}: (.*(?:\n {{12}}.*)*)", made.__doc__, re.M).group(1)
-            is_number = re.search(r"\b(float|int|VectorLike|Color\w*Like|FloatInputLike)\b", annotation)
-            if is_number and not UNIT.search(told):
-                untold.append(f"{made.__name__}.{field}: {told}: no unit or range")
-            if not re.search("default|0:|none:|empty:|left out:|absent|of the node that holds the shape", told, re.I):
-                untold.append(f"{made.__name__}.{field}: {told}: no default")
+            told = " ".join(re.search(rf"^        {field}: (.*(?:\n {{12}}.*)*)", made.__doc__, re.M).group(1).split())
+            untold += [(made.__name__, field, told, missing) for missing in missing_words(told, annotation)]
             count += 1
     assert untold == [] and count > 250
 
