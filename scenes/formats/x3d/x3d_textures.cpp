@@ -206,9 +206,7 @@ std::string X3dTranslator::check_picture(const std::string& url, bool takes_othe
     out.file = url;
     return "";
   }
-  const X3dFiles& files = build_.files;
-  const X3dFiles::Found found =
-      takes_others ? files.find_picture(url, folder_) : files.find(url, folder_);
+  const X3dFiles::Found found = build_.files.find(url, folder_, takes_others);
   if (found.file.empty()) return found.reason;
   if (check) problem = check(build_.files.full(found.file), nullptr);
   out.is_damaged |= !problem.empty();
