@@ -38,7 +38,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
 TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
   write("good.obj", kTriangle);
   write("bad.obj", "v 0 0 0\nf 1 2 3\n");
-  write("radius.x3d", "<X3D><Scene><Shape><Sphere radius='x'/></Shape></Scene></X3D>");
+  write("broken.x3d", "<X3D><Scene><Shape>");
   const auto inline_of = [&](const std::string& includes) {
     write("outer.tessera", "includes { file: 'good.obj' }\nincludes { file: 'inner.tessera' }");
     write("inner.tessera", includes);
@@ -50,7 +50,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
        {std::pair<std::string, std::string>{"none.obj", "none.obj: no such file"},
         {"bad.obj", "bad.obj:2:"},
         {"../out.obj", "inner.tessera: includes '../out.obj', which is not inside the scene's"},
-        {"radius.x3d", "radius.x3d:1:"}}) {
+        {"broken.x3d", "broken.x3d:1:"}}) {
     const LoadedScene loaded = inline_of("includes { file: '" + file + "' }");
     EXPECT_EQ(loaded.scene.objects_size(), 2) << "good.obj and what the Inlines refer to";
     EXPECT_EQ(loaded.scene.nodes(0).instance_of(), loaded.scene.nodes(2).instance_of());
