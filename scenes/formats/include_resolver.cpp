@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "scenes/import/warnings.h"
 
 namespace tessera {
 namespace {
@@ -112,15 +113,15 @@ void move_all(Things& from, Things& to) {
 
 }  // namespace
 
-fs::path included_file(const AssetFolder& assets, const fs::path& file,
-                       const v1::Include& include) {
-  auto target = assets.from(file.parent_path()).find(include.file());
-  if (!target)
+AssetFolder::Found included_file(const AssetFolder& assets, const fs::path& file,
+                                 const v1::Include& include) {
+  AssetFolder::Found found = assets.from(file.parent_path()).find_asset(include.file());
+  if (!found.file)
     throw scene_error(
         {file.string()},
         fmt::format("includes '{}', which is not inside {}", include.file(), assets.shown_root()),
         "a file in that folder or below it");
-  return *std::move(target);
+  return found;
 }
 
 void IncludeResolver::put(LoadedScene& into, const v1::Include& include, const Part& made,
@@ -217,7 +218,9 @@ void IncludeResolver::resolve(LoadedScene& loaded, const fs::path& file) {
   const auto includes = std::move(*loaded.scene.mutable_includes());
   loaded.scene.clear_includes();
   for (const v1::Include& include : includes) {
-    const fs::path target = included_file(assets_, file, include);
+    const auto [found, note] = included_file(assets_, file, include);
+    const fs::path target = *found;
+    if (!note.empty()) add_warning(loaded, file.string(), "the included file " + note);
     if (std::find(open_.begin(), open_.end(), target) != open_.end())
       throw scene_error({file.string()},
                         fmt::format("includes '{}', which includes it in turn", include.file()),

@@ -11,10 +11,10 @@
 
 namespace tessera {
 
-/// The file that an include of `file` means, where `assets` are those of the scene's first file.
-/// Throws scene_error where it is outside of them.
-std::filesystem::path included_file(const AssetFolder& assets, const std::filesystem::path& file,
-                                    const v1::Include& include);
+/// The file that an include of `file` means, where `assets` are those of the scene's first file,
+/// and what there is to say of it. Throws scene_error where it is outside of them.
+AssetFolder::Found included_file(const AssetFolder& assets, const std::filesystem::path& file,
+                                 const v1::Include& include);
 
 /// Places the files that a scene includes into it, and what those include. Nothing outside the
 /// assets of the first file is read, but for what place() is told to. Each file becomes one object,

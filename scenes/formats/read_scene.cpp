@@ -202,7 +202,7 @@ class FileReader {
       LoadedScene loaded = read(file, format);
       open_.push_back(file);
       for (const v1::Include& include : loaded.scene.includes()) {
-        const std::string inner = included_file(assets_, file, include).string();
+        const std::string inner = included_file(assets_, file, include).file->string();
         if (std::string why = problem(inner, include.format()); !why.empty()) {
           at->second = std::move(why);
           break;

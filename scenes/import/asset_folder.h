@@ -30,7 +30,7 @@ struct AssetFolder {
     std::optional<std::filesystem::path> file;  ///< inside the root; it need not exist
     std::string note{};  ///< of a file that was taken for the one asked for: says so; else empty
   };
-  /// The same of a file that scenes only show, such as a picture. Where there is none, as by the
+  /// The same of a file that a scene is made of, such as a picture. Where there is none, as by the
   /// path that it had on another machine, one with the last parts of that path, or its name alone,
   /// is taken for it: "/home/ann/chair/textures/wood.png" finds "textures/wood.png" or "wood.png".
   Found find_asset(const std::string& reference) const;

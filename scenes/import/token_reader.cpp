@@ -35,13 +35,13 @@ std::string_view TokenReader::rest_of_line() {
   return rest;
 }
 
-double TokenReader::number(const char* what) {
+double TokenReader::number() {
   const std::string_view text = word();
   double value = 0;
   const auto [stop, problem] = read_decimal(text.data(), text.data() + text.size(), value);
   const bool is_number =
       problem != std::errc::invalid_argument && stop == text.data() + text.size();
-  if (text.empty() || !is_number) throw error(quoted_word(), what);
+  if (!is_number) return std::numeric_limits<double>::quiet_NaN();
   return problem == std::errc::result_out_of_range ? std::numeric_limits<double>::infinity()
                                                    : value;
 }

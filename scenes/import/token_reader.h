@@ -20,14 +20,19 @@ class TokenReader {
   std::string_view word();
   /// What is left of the line, without the spaces around it. Goes to the next line.
   std::string_view rest_of_line();
-  /// Any number, infinite and NaN too; infinite where double precision cannot hold it.
-  double number(const char* what);
+  /// The next word as any number, infinite and NaN too; infinite where double precision cannot hold
+  /// it, and NaN for what is no number.
+  double number();
 
   size_t offset() const { return at_; }
   size_t remaining() const { return text_.size() - at_; }
   /// Where the word that was read last begins. Takes time in the length of the text.
   SourcePlace place() const;
-  /// The same word in quotes, shortened.
+  /// Where the word begins that was read last.
+  size_t word_offset() const { return word_; }
+  /// Whether there was no word any more where the last one was looked for.
+  bool is_past_end() const { return word_ == text_.size(); }
+  /// The word that was read last in quotes, shortened.
   std::string quoted_word() const;
   Error error(std::string_view found, std::string_view expected) const {
     return scene_error(place(), found, expected);

@@ -16,13 +16,13 @@ namespace {
 constexpr uint64_t kMaxBytes = uint64_t{8} << 20;
 
 void check_file(const std::string& written, CrtSpan where, const AssetFolder& assets,
-                bool is_picture, CrtDiagnostics& diagnostics) {
+                CrtDiagnostics& diagnostics) {
   const std::string reference = crt_file_reference(written);
   if (reference.empty() || reference.find('\0') != std::string::npos) {
     diagnostics.error(where, "a file without a name", "the name of one");
     return;
   }
-  const auto file = is_picture ? assets.find_asset(reference).file : assets.find(reference);
+  const auto file = assets.find_asset(reference).file;
   if (!file)
     diagnostics.error(where, fmt::format("'{}' is not inside {}", written, assets.shown_root()),
                       "a file in that folder or below it");
@@ -35,10 +35,10 @@ void check_files(const CrtProgram& program, const AssetFolder& assets,
                  CrtDiagnostics& diagnostics) {
   const CrtBackground* background = program.background;
   if (background && background->message.has_panorama())
-    check_file(background->image, background->image_span, assets, true, diagnostics);
+    check_file(background->image, background->image_span, assets, diagnostics);
   for (const CrtEntity* entity : program.entities)
     if (entity->kind == CrtEntity::Kind::include)
-      check_file(entity->include.file(), entity->span, assets, false, diagnostics);
+      check_file(entity->include.file(), entity->span, assets, diagnostics);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 
 namespace tessera {
 namespace {
@@ -19,13 +20,18 @@ Number load(const char* at) {
   return number;
 }
 
-GltfValue find_accessor(GltfFile& file, const GltfValue& reference) {
-  const auto index = reference.index(file.root()["accessors"].size(), "accessor");
-  if (!index) throw reference.error("no accessor", "its index");
-  return file.element("accessors", *index);
-}
-
 }  // namespace
+
+std::optional<GltfAccessor> GltfAccessor::read(GltfFile& file, const GltfValue& reference,
+                                               std::string_view taken) {
+  std::optional<GltfAccessor> out;
+  const auto index = reference.index(file.root()["accessors"].size(), "accessor", taken);
+  if (index)
+    file.attempt(taken, [&] { out = GltfAccessor(file, file.element("accessors", *index)); });
+  else
+    file.keep_problem(reference.error("no accessor", "its index"));
+  return out;
+}
 
 GltfAccessor::Component GltfAccessor::component_of(const GltfValue& type) {
   constexpr std::array<std::pair<uint64_t, Component>, 6> kTypes{{{5120, Component::int8},
@@ -45,8 +51,7 @@ size_t GltfAccessor::size_of(Component component) {
   return kSizes[static_cast<size_t>(component)];
 }
 
-GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& reference)
-    : value_(find_accessor(file, reference)) {
+GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& value) : value_(value) {
   constexpr std::array<std::string_view, 4> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
   component_ = component_of(value_["componentType"]);
   const std::string type = value_["type"].text("");
@@ -80,15 +85,15 @@ GltfAccessor::Rows GltfAccessor::rows(GltfFile& file, const GltfValue& holder, s
   const size_t room =
       offset > held || held - offset < row_size ? 0 : (held - offset - row_size) / stride + 1;
   if (count > room)
-    throw holder.error(fmt::format("{} rows", count),
-                       fmt::format("at most {}, which its buffer view holds", room));
+    throw holder.error(fmt::format("{} rows, of which its buffer view holds {}", count, room),
+                       "rows that it holds");
   return {view.bytes.data() + std::min<uint64_t>(offset, held), stride};
 }
 
 void GltfAccessor::read_sparse(GltfFile& file, const GltfValue& sparse) {
   const uint64_t count = sparse["count"].required_whole();
   if (count > count_)
-    throw sparse["count"].error(fmt::format("{}", count), fmt::format("at most {}", count_));
+    throw sparse["count"].error(fmt::format("{} of {} rows", count, count_), "no more than all");
   file.spend(count, sparse);
   const GltfValue indices = sparse["indices"];
   const Component type = component_of(indices["componentType"]);
@@ -156,8 +161,8 @@ std::vector<uint32_t> GltfAccessor::indices() const {
   out.reserve(count_);
   for (size_t i = 0; i < count_; ++i) {
     const double number = value(row(i), 0);
-    if (number < 0) throw value_.error(fmt::format("index {}", number), "0 or more");
-    out.push_back(static_cast<uint32_t>(number));
+    out.push_back(number < 0 ? std::numeric_limits<uint32_t>::max()
+                             : static_cast<uint32_t>(number));
   }
   return out;
 }

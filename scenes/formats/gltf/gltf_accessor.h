@@ -12,8 +12,10 @@ namespace tessera {
 /// An array of a glTF file: what an accessor says, checked against its bytes. Refers to the file.
 class GltfAccessor {
  public:
-  /// The accessor that `reference` holds the index of. Throws where it leaves its data.
-  GltfAccessor(GltfFile& file, const GltfValue& reference);
+  /// The accessor that `reference` holds the index of. Where it cannot be read, nothing, with a
+  /// warning that says what is `taken`.
+  static std::optional<GltfAccessor> read(GltfFile& file, const GltfValue& reference,
+                                          std::string_view taken);
 
   size_t count() const { return count_; }
   size_t components() const { return components_; }  ///< 1 to 4
@@ -24,12 +26,16 @@ class GltfAccessor {
   /// Rows [first, last) as floats, `width` each: further components are left out, missing ones
   /// are 1. Normalised integers become shares. Floats may be anything, NaN too.
   std::vector<float> floats(size_t first, size_t last, size_t width) const;
-  /// All rows' first components.
+  /// All rows' first components; the largest number for one below 0. Throws where they are no
+  /// indices.
   std::vector<uint32_t> indices() const;
 
   GltfValue place() const { return value_; }
 
  private:
+  /// Throws where it leaves its data.
+  GltfAccessor(GltfFile& file, const GltfValue& value);
+
   enum class Component : uint8_t { int8, uint8, int16, uint16, uint32, float32 };
   struct Rows {
     const char* data = nullptr;  ///< null: zeros

@@ -128,12 +128,15 @@ void GltfFile::read_container(std::string_view bytes) {
                           "its chunks are read", {});
   bytes = bytes.substr(0, whole);
   for (size_t at = kHeader; at + kChunkHeader <= bytes.size();) {
-    const size_t length = word_at(bytes, at);
+    size_t length = word_at(bytes, at);
     const uint32_t kind = word_at(bytes, at + 4);
     at += kChunkHeader;
-    if (length > bytes.size() - at)
-      throw fail(fmt::format("a chunk of {} bytes", length),
-                 fmt::format("at most {}, what is left of the file", bytes.size() - at));
+    if (length > bytes.size() - at) {
+      text_.warnings.repair(fmt::format("a chunk of {} bytes", length),
+                            fmt::format("at most {}, what is left of the file", bytes.size() - at),
+                            "what is there is read", {});
+      length = bytes.size() - at;
+    }
     if (kind == kJsonChunk && json_text_.empty()) json_text_ = bytes.substr(at, length);
     if (kind == kBinaryChunk && binary_.empty()) binary_ = bytes.substr(at, length);
     at += length;
@@ -254,21 +257,29 @@ std::string GltfFile::path_of_uri(const GltfValue& uri) {
   return path;
 }
 
+std::string GltfFile::load(const GltfValue& uri) {
+  if (auto held = data_of_uri(uri)) return *std::move(held);
+  try {
+    if (!folder_) throw scene_error("other files are not read here");
+    return folder_(path_of_uri(uri));
+  } catch (const Error& problem) {
+    throw uri.error(problem.what(), "a file that can be read");
+  }
+}
+
 std::string_view GltfFile::buffer(size_t index) {
+  if (const auto lost = lost_buffers_.find(index); lost != lost_buffers_.end()) throw lost->second;
   const GltfValue value = element("buffers", index);
   const uint64_t length = value["byteLength"].required_whole();
   const GltfValue uri = value["uri"];
   std::string_view bytes = binary_;
   if (uri) {
     std::optional<std::string>& held = buffers_[index];
-    if (!held) held = data_of_uri(uri);
-    if (!held) {
-      try {
-        if (!folder_) throw scene_error("other files are not read here");
-        held = folder_(path_of_uri(uri));
-      } catch (const Error& problem) {
-        throw uri.error(problem.what(), "a file that can be read");
-      }
+    try {
+      if (!held) held = load(uri);
+    } catch (const Error& problem) {
+      lost_buffers_.emplace(index, problem);
+      throw;
     }
     bytes = *held;
   } else if (index != 0 || binary_.empty()) {
@@ -286,11 +297,12 @@ GltfFile::View GltfFile::view(size_t index) {
   const auto which = value["buffer"].index(buffers_.size(), "buffer");
   if (!which) throw value.error("no buffer", "its index");
   const std::string_view bytes = buffer(*which);
-  const uint64_t offset = value["byteOffset"].whole().value_or(0);
+  const uint64_t offset = std::min<uint64_t>(value["byteOffset"].whole().value_or(0), bytes.size());
   const uint64_t length = value["byteLength"].required_whole();
-  if (offset > bytes.size() || length > bytes.size() - offset)
-    throw value.error(fmt::format("{} bytes from byte {} on", length, offset),
-                      fmt::format("an end within the buffer's {} bytes", bytes.size()));
+  if (length > bytes.size() - offset)
+    value.repair(fmt::format("{} bytes from byte {} on", length, offset),
+                 fmt::format("an end within the buffer's {} bytes", bytes.size()),
+                 "what is there is read");
   const uint64_t stride = value["byteStride"].whole().value_or(0);
   if (stride > 252)
     value["byteStride"].repair(fmt::format("{}", stride), "4 to 252", "it is taken all the same");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -39,8 +40,27 @@ class GltfFile {
     std::string_view bytes;
     size_t stride = 0;  ///< 0: tightly packed
   };
-  /// Loads the buffer on its first use. Throws where the view leaves it.
+  /// Loads the buffer on its first use. Throws where that cannot be read.
   View view(size_t index);
+  /// Calls `read`. Where that throws of what breaks the format, it warns of it and of what is
+  /// `taken`, and returns false.
+  template <typename Read>
+  bool attempt(std::string_view taken, const Read& read) {
+    try {
+      read();
+      return true;
+    } catch (const Error& error) {
+      if (spent_ > kMostRead || error.diagnostics().empty()) throw;
+      keep_problem(error);
+      warnings().repair(error, taken);
+      return false;
+    }
+  }
+  void keep_problem(const Error& error) {
+    if (!problem_) problem_ = error;
+  }
+  /// The first that was kept: what a file is refused for of which nothing is left.
+  const std::optional<Error>& problem() const { return problem_; }
   /// Counts what is read of the file: its parts may refer to each other again and again, so that a
   /// small file could ask for more than any machine has. Throws beyond kMostRead.
   void spend(uint64_t amount, const GltfValue& on);
@@ -55,6 +75,7 @@ class GltfFile {
   void parse();
   std::string without_endless_numbers();
   std::string_view buffer(size_t index);
+  std::string load(const GltfValue& uri);
 
   GltfText text_;
   std::string_view json_text_, binary_;
@@ -62,7 +83,9 @@ class GltfFile {
   GltfFolder folder_;
   std::unique_ptr<nlohmann::json> json_;
   std::vector<std::optional<std::string>> buffers_;
+  std::map<size_t, Error> lost_buffers_;  ///< why they cannot be read
   uint64_t spent_ = 0;
+  std::optional<Error> problem_;
 };
 
 }  // namespace tessera

@@ -11,6 +11,8 @@
 namespace tessera {
 namespace {
 
+constexpr std::string_view kPrimitive = "the primitive is left out";
+
 enum Mode : uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
 
 /// The corners of a primitive in groups of three. Calls action for each, flat ones too.
@@ -66,9 +68,12 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
     attributes_[name] = true;
     return in[name.c_str()];
   };
-  Attributes out{
-      use("POSITION"), use("NORMAL"),  use(fmt::format("TEXCOORD_{}", materials_.uv_set(material))),
-      use("COLOR_0"),  use("TANGENT"), {}};
+  std::string uv = fmt::format("TEXCOORD_{}", materials_.uv_set(material));
+  if (!in[uv.c_str()] && in["TEXCOORD_0"]) {
+    in.repair("no " + uv, "the texture coordinates that its material uses", "TEXCOORD_0 is taken");
+    uv = "TEXCOORD_0";
+  }
+  Attributes out{use("POSITION"), use("NORMAL"), use(uv), use("COLOR_0"), use("TANGENT"), {}};
   for (const std::string& name : in.keys()) attributes_.try_emplace(name, false);
   const GltfValue targets = primitive["targets"];
   if (!weights.empty() && targets.size() != weights.size())
@@ -123,7 +128,7 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
     }
     const auto [at, is_new] = by_key.try_emplace(attributes.key(), groups.size());
     if (is_new) groups.emplace_back(std::move(attributes));
-    add(primitive, material, groups[at->second]);
+    file_.attempt(kPrimitive, [&] { add(primitive, material, groups[at->second]); });
   }
   std::vector<v1::Shape> shapes;
   for (Group& group : groups) {
@@ -134,21 +139,18 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
 }
 
 void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material, Group& group) {
-  const GltfAccessor positions(file_, group.attributes.position);
-  if (positions.components() != 3)
+  const auto positions = GltfAccessor::read(file_, group.attributes.position, kPrimitive);
+  if (!positions) return;
+  if (positions->components() != 3)
     throw group.attributes.position.error("positions that are no VEC3", "VEC3");
-  group.vertex_count = positions.count();
+  group.vertex_count = positions->count();
   std::vector<uint32_t> corners;
   const GltfValue given = primitive["indices"];
   if (given) {
-    const GltfAccessor indices(file_, given);
-    file_.spend(indices.count(), given);
-    corners = indices.indices();
-    for (size_t i = 0; i < corners.size(); ++i)
-      if (corners[i] >= group.vertex_count)
-        throw given.error(fmt::format("index {} is {}", i, corners[i]),
-                          group.vertex_count == 0 ? std::string("vertices")
-                                                  : fmt::format("0 to {}", group.vertex_count - 1));
+    const auto indices = GltfAccessor::read(file_, given, kPrimitive);
+    if (!indices) return;
+    file_.spend(indices->count(), given);
+    corners = indices->indices();
   } else {
     file_.spend(group.vertex_count, primitive);
     corners.resize(group.vertex_count);
@@ -158,24 +160,42 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
   const auto known = std::find(group.materials.begin(), group.materials.end(), name);
   const auto number = static_cast<uint32_t>(known - group.materials.begin());
   if (known == group.materials.end()) group.materials.push_back(name);
+  std::optional<uint32_t> lost;
   for_each_triangle(primitive["mode"].whole().value_or(kTriangles), corners,
                     [&](uint32_t a, uint32_t b, uint32_t c) {
+                      const uint32_t largest = std::max({a, b, c});
+                      if (largest >= group.vertex_count) {
+                        lost = largest;
+                        return;
+                      }
                       if (a == b || b == c || c == a) return;
                       group.triangles.insert(group.triangles.end(), {a, b, c});
                       group.face_materials.push_back(number);
                     });
+  if (!lost) return;
+  file_.attempt("the triangles there are left out", [&] {
+    throw given.error(fmt::format("index {} of {} vertices", *lost, group.vertex_count),
+                      "indices of vertices");
+  });
 }
 
 std::vector<float> GltfMeshes::rows(const GltfValue& reference, size_t width, const Group& group) {
+  constexpr std::string_view kLeftOut = "it is left out";
   if (!reference) return {};
-  const GltfAccessor from(file_, reference);
-  if (from.count() != group.vertex_count) {
-    from.place().repair(fmt::format("{} rows", from.count()),
-                        fmt::format("{}, one a vertex", group.vertex_count), "they are left out");
+  const auto from = GltfAccessor::read(file_, reference, kLeftOut);
+  if (!from) return {};
+  if (from->count() != group.vertex_count) {
+    from->place().repair(fmt::format("{} rows", from->count()), "one a vertex", kLeftOut);
     return {};
   }
-  file_.spend(uint64_t{group.last - group.first} * width, from.place());
-  return from.floats(group.first, group.last, width);
+  // A colour may be without alpha.
+  if (from->components() < std::min<size_t>(width, 3)) {
+    reference.repair(fmt::format("rows of {}", from->components()),
+                     fmt::format("{} numbers a row", width), kLeftOut);
+    return {};
+  }
+  file_.spend(uint64_t{group.last - group.first} * width, from->place());
+  return from->floats(group.first, group.last, width);
 }
 
 std::vector<float> GltfMeshes::finite_rows(const GltfValue& reference, size_t width, float instead,
@@ -193,8 +213,6 @@ void GltfMeshes::add_targets(const char* attribute, const Group& group, std::vec
   for (const auto& [target, weight] : group.attributes.targets) {
     const GltfValue reference = target[attribute];
     if (!reference) continue;
-    const GltfAccessor from(file_, reference);
-    if (from.components() != 3) throw reference.error("offsets that are no VEC3", "VEC3");
     const std::vector<float> offsets = rows(reference, 3, group);
     for (size_t i = 0; i < offsets.size(); ++i) {
       float& moved = to[i / 3 * width + i % 3];

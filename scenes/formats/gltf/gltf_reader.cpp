@@ -118,6 +118,7 @@ class GltfReader {
     list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
     list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
     list_unused("nodes", "node", [&](size_t i) { return seen_[i]; });
+    if (!has_shapes_ && file_.problem()) throw *file_.problem();
     warnings_.add_to(out_, file_.name());
     return std::move(out_);
   }
@@ -132,7 +133,9 @@ class GltfReader {
   };
 
   std::optional<MeshUse> mesh_of(const GltfValue& node) {
-    const auto mesh = node["mesh"].index(file_.root()["meshes"].size(), "mesh");
+    const GltfValue which = node["mesh"];
+    const auto mesh = which.index(file_.root()["meshes"].size(), "mesh");
+    if (!mesh && which.if_whole()) file_.keep_problem(which.error("no mesh", "its index"));
     if (!mesh) return std::nullopt;
     return MeshUse(*mesh, meshes_.weights(node, *mesh));
   }
@@ -152,7 +155,9 @@ class GltfReader {
   void check_version() {
     const GltfValue version = file_.root()["asset"]["version"];
     const std::string text = version.text("");
-    if (!text.starts_with("2."))
+    if (text.empty() && node_count() > 0)
+      version.repair("no version", "glTF 2.0", "that is taken");
+    else if (!text.starts_with("2"))
       throw(version ? version : file_.root())
           .error(text.empty() ? std::string("no asset/version") : fmt::format("version '{}'", text),
                  "glTF 2.0");
@@ -203,6 +208,10 @@ class GltfReader {
     std::vector<size_t> out;
     for (size_t i = 0; i < is_child.size(); ++i)
       if (!is_child[i]) out.push_back(i);
+    if (out.empty() && node_count() > 0) {
+      file_.root()["nodes"].repair("no node without a parent", "a tree", "the first one is taken");
+      out.push_back(0);
+    }
     return out;
   }
 
@@ -218,7 +227,10 @@ class GltfReader {
       Place place = open.back();
       open.pop_back();
       const GltfValue in = file_.element("nodes", place.node);
-      if (seen_[place.node]) throw in.error("a node with two parents, or below itself", "a tree");
+      if (seen_[place.node]) {
+        in.repair("a node with two parents, or below itself", "a tree", "it is shown once");
+        continue;
+      }
       seen_[place.node] = true;
       const auto own = transform_of(in);
       if (!own) continue;
@@ -264,6 +276,7 @@ class GltfReader {
       }
     }
     if (known->second.shapes.empty()) return;
+    has_shapes_ = true;
     v1::Node& node = *out_.scene.add_nodes();
     node.set_name(name.empty() ? own : name);
     if (!(world == Affine{})) put(world, node.mutable_transform());
@@ -386,6 +399,7 @@ class GltfReader {
   UniqueNames unique_object_, unique_camera_, unique_light_;
   std::vector<Place> places_;
   std::vector<bool> seen_;  ///< the nodes that places_ holds
+  bool has_shapes_ = false;
   std::map<MeshUse, size_t> uses_;
   std::map<MeshUse, Shown> shown_;
 };
@@ -396,9 +410,11 @@ LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const std::string bytes = read_input_file(path, kMaxBytes);
   const AssetFolder assets(path, options.assets);
   GltfFile file(bytes, path, [&](const std::string& name) {
-    const auto found = assets.find(name);
+    const auto [found, note] = assets.find_asset(name);
     if (!found) throw scene_error(fmt::format("'{}' is not inside {}", name, assets.shown_root()));
-    return read_input_file(found->string(), kMaxBytes);
+    std::string held = read_input_file(found->string(), kMaxBytes);
+    if (!note.empty()) file.warnings().add(fmt::format("buffer {}", note));
+    return held;
   });
   return GltfReader(file,
                     [&](const std::string& name, const std::string* held) {

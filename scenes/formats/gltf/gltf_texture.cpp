@@ -52,6 +52,7 @@ void GltfTextures::place(const GltfValue& transform, v1::Texture& texture) {
 }
 
 std::string GltfTextures::picture(const GltfValue& image, size_t index) {
+  constexpr std::string_view kLeftOut = "the picture is left out";
   const auto [known, is_new] = pictures_.try_emplace(index);
   if (!is_new) return known->second;
   const GltfValue uri = image["uri"];
@@ -59,24 +60,22 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
   if (uri) {
     if (auto data = read_data_uri(uri.text(""))) {
       if (!data->problem.empty()) {
-        uri.repair(data->problem, data->expected, "the picture is left out");
+        uri.repair(data->problem, data->expected, kLeftOut);
         return "";
       }
       bytes = std::move(data->bytes);
     }
   } else {
-    const auto view = image["bufferView"].index(file_.root()["bufferViews"].size(), "buffer view");
-    if (!view) {
-      image.repair("no picture", "a uri or a bufferView", "it is left out");
-      return "";
-    }
-    bytes = file_.view(*view).bytes;
+    const GltfValue place = image["bufferView"];
+    if (!place) image.repair("no picture", "a uri or a bufferView", kLeftOut);
+    const auto view = place.index(file_.root()["bufferViews"].size(), "buffer view", kLeftOut);
+    if (view) file_.attempt(kLeftOut, [&] { bytes = file_.view(*view).bytes; });
+    if (!bytes) return "";
     file_.spend(bytes->size(), image);
   }
-  const std::string name =
-      bytes ? fmt::format("{}#images/{}", std::filesystem::path(file_.name()).filename().string(),
-                          index)
-            : GltfFile::path_of_uri(uri);
+  std::string name =
+      fmt::format("{}#images/{}", std::filesystem::path(file_.name()).filename().string(), index);
+  if (!bytes && !file_.attempt(kLeftOut, [&] { name = GltfFile::path_of_uri(uri); })) return "";
   const std::string problem = check_ ? check_(name, bytes ? &*bytes : nullptr) : "";
   if (!problem.empty()) {
     warnings_.add(fmt::format("picture '{}' {}", name, problem), [&] { return image.place(); });
@@ -103,11 +102,10 @@ std::optional<size_t> GltfTextures::readable_image(const GltfValue& texture) {
 
 std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encoding encoding) {
   if (!info) return "";
-  const auto index = info["index"].index(file_.root()["textures"].size(), "texture");
-  if (!index) {
-    info.repair("no texture", "its index", "it is left out");
-    return "";
-  }
+  const GltfValue which = info["index"];
+  if (!which) info.repair("no texture", "its index", "it is left out");
+  const auto index = which.index(file_.root()["textures"].size(), "texture");
+  if (!index) return "";
   used_.insert(*index);
   const GltfValue in = file_.element("textures", *index);
   const auto source = readable_image(in);

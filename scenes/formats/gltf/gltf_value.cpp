@@ -101,8 +101,8 @@ std::pair<int, int> find_json_place(std::string_view text, std::string_view path
 }
 
 GltfValue GltfValue::operator[](const char* key) const {
-  if (!json_) return {nullptr, text_, path_};
-  if (!json_->is_object()) throw wrong_type("an object");
+  if (json_ && !json_->is_object()) leave_out("an object");
+  if (!json_ || !json_->is_object()) return {nullptr, text_, path_};
   const auto found = json_->find(key);
   const bool is_there = found != json_->end() && !found->is_null();
   std::string path = path_.empty() ? key : fmt::format("{}/{}", path_, key);
@@ -116,14 +116,14 @@ GltfValue GltfValue::at(size_t index) const {
 
 size_t GltfValue::size() const {
   if (!json_) return 0;
-  if (!json_->is_array()) throw wrong_type("an array");
-  return json_->size();
+  if (json_->is_array()) return json_->size();
+  leave_out("an array");
+  return 0;
 }
 
 std::vector<std::string> GltfValue::keys() const {
   std::vector<std::string> names;
-  if (!json_) return names;
-  if (!json_->is_object()) throw wrong_type("an object");
+  if (!json_ || !json_->is_object()) return names;
   for (const auto& item : json_->items()) names.push_back(item.key());
   return names;
 }
@@ -152,36 +152,42 @@ double GltfValue::amount(double without) const {
   return number_within(without, 0, std::numeric_limits<double>::infinity());
 }
 
-std::optional<uint64_t> GltfValue::whole() const {
-  if (!json_) return std::nullopt;
+std::optional<uint64_t> GltfValue::if_whole() const {
+  if (!json_ || !json_->is_number()) return std::nullopt;
   if (json_->is_number_unsigned()) return json_->get<uint64_t>();
-  if (!json_->is_number()) throw wrong_type("a whole number");
   // Some programs write whole numbers as 3.0.
   constexpr double kLargest = 9007199254740992;
   const double value = json_->get<double>();
   if (!(value >= 0 && value <= kLargest) ||
       std::abs(value - std::round(value)) > kSinglePrecision * std::max(1.0, value))
-    throw error(fmt::format("{}", value), "a whole number");
+    return std::nullopt;
   return static_cast<uint64_t>(std::round(value));
 }
 
+std::optional<uint64_t> GltfValue::whole() const {
+  const auto value = if_whole();
+  if (json_ && !value) repair(shown(), "a whole number", "it is left out");
+  return value;
+}
+
 uint64_t GltfValue::required_whole() const {
-  const auto value = whole();
-  if (!value) throw error("no value", "a whole number");
+  const auto value = if_whole();
+  if (!value) throw error(shown(), "a whole number");
   return *value;
 }
 
-std::optional<size_t> GltfValue::index(size_t count, const char* what) const {
+std::optional<size_t> GltfValue::index(size_t count, const char* what,
+                                       std::string_view taken) const {
   if (json_ && json_->is_number() && json_->get<double>() == -1) {
-    repair("-1", fmt::format("a {}, or no value", what), "it is left out");
+    repair("-1", fmt::format("a {}, or no value", what), taken);
     return std::nullopt;
   }
   const auto value = whole();
-  if (value && *value >= count)
-    throw error(fmt::format("{} {}", what, *value), count == 0
-                                                        ? fmt::format("a file with {}s", what)
-                                                        : fmt::format("0 to {}", count - 1));
-  return value;
+  if (!value || *value < count) return value;
+  repair(fmt::format("{} {}", what, *value),
+         count == 0 ? fmt::format("a file with {}s", what) : fmt::format("0 to {}", count - 1),
+         taken);
+  return std::nullopt;
 }
 
 std::string GltfValue::text(const std::string& without) const {
@@ -199,7 +205,7 @@ bool GltfValue::flag(bool without) const {
 }
 
 std::optional<std::vector<double>> GltfValue::numbers(size_t count) const {
-  if (!json_) return std::nullopt;
+  if (!json_ || (!json_->is_array() && size() == 0)) return std::nullopt;
   if (size() != count)
     repair(fmt::format("{} numbers", size()), fmt::format("{}", count),
            size() < count ? "they are left out" : "the first ones are taken");
@@ -209,8 +215,9 @@ std::optional<std::vector<double>> GltfValue::numbers(size_t count) const {
   return values;
 }
 
-Error GltfValue::wrong_type(std::string_view expected) const {
-  return error(type_name(*json_), expected);
+std::string GltfValue::shown() const {
+  if (!json_) return "no value";
+  return json_->is_number() ? fmt::format("{}", json_->get<double>()) : type_name(*json_);
 }
 
 void GltfValue::leave_out(std::string_view expected) const {
@@ -228,12 +235,15 @@ SourcePlace GltfValue::place() const {
 }
 
 Error GltfValue::error(std::string_view found, std::string_view expected) const {
-  return scene_error(
-      place(), path_.empty() ? std::string(found) : fmt::format("{}: {}", path_, found), expected);
+  constexpr int kMostPlaces = 50;  // finding one takes time in the length of the text
+  return scene_error(text_->errors++ < kMostPlaces ? place() : SourcePlace{text_->name},
+                     path_.empty() ? std::string(found) : fmt::format("{}: {}", path_, found),
+                     expected);
 }
 
 void GltfValue::repair(std::string_view found, std::string_view expected,
                        std::string_view taken) const {
+  if (!text_->told.insert(fmt::format("{}\n{}", path_, expected)).second) return;
   text_->warnings.repair(
       found, expected, taken, [&] { return place(); }, path_);
 }

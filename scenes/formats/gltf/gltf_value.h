@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ struct GltfText {
   std::string name;         ///< of the file
   std::string_view text{};  ///< empty in a .glb, whose JSON is no text with lines
   Warnings warnings{};
+  std::set<std::string> told{};  ///< the repairs of `warnings`, each of which is told once
+  int errors = 0;                ///< that were made, so that not all look for their place
 };
 
 /// A value of a glTF file's JSON, or of none where a member is absent or null. It knows where it
@@ -29,7 +32,7 @@ class GltfValue {
       : json_(json), text_(text), path_(std::move(path)) {}
 
   explicit operator bool() const { return json_ != nullptr; }
-  /// Both give no value where there is none.
+  /// Both give no value where there is none, nor of what is of another type.
   GltfValue operator[](const char* key) const;
   GltfValue at(size_t index) const;
   size_t size() const;  ///< of an array; 0 where there is none
@@ -41,10 +44,16 @@ class GltfValue {
   double number_within(double without, double least, double most) const;
   /// At least 0.
   double amount(double without) const;
+  /// A whole number of 0 or more, with a warning for another value.
   std::optional<uint64_t> whole() const;
+  /// The same without a warning.
+  std::optional<uint64_t> if_whole() const;
+  /// The same of one that has to be there; throws where it is none.
   uint64_t required_whole() const;
-  /// An index below `count` of `what`; nothing for -1, which some programs write for none.
-  std::optional<size_t> index(size_t count, const char* what) const;
+  /// An index below `count` of `what`, with a warning for another one; nothing for -1, which some
+  /// programs write for none.
+  std::optional<size_t> index(size_t count, const char* what,
+                              std::string_view taken = "it is left out") const;
   std::string text(const std::string& without) const;
   bool flag(bool without) const;
   /// Exactly `count` finite numbers, the first ones of more; nothing where there are fewer.
@@ -58,7 +67,7 @@ class GltfValue {
   void repair(std::string_view found, std::string_view expected, std::string_view taken) const;
 
  private:
-  Error wrong_type(std::string_view expected) const;
+  std::string shown() const;
   void leave_out(std::string_view expected) const;
 
   const nlohmann::json* json_;

@@ -135,28 +135,29 @@ std::string LineReader::rest() {
 }
 
 float LineReader::number(const char* what) {
-  const float value = any_number(what);
-  if (!std::isfinite(value)) throw error(quoted_word(), bounded(what, value));
+  const float value = any_number();
+  if (!std::isfinite(value)) throw error(quoted_word(), rule(what, value));
   return value;
 }
 
-std::string LineReader::bounded(const char* what, float value) {
+std::string LineReader::rule(const char* what, float value) const {
+  if (!is_number_) return what;
   return fmt::format("{} that {}", what,
                      std::isnan(value) ? "is finite" : "single precision can hold");
 }
 
-float LineReader::any_number(const char* what) {
+float LineReader::any_number() {
   constexpr float kEndless = std::numeric_limits<float>::infinity();
   skip_space();
   word_ = at_;
   float value = 0;
   const auto [stop, problem] = read_decimal(at_, end_, value);
-  if (problem == std::errc::invalid_argument) {
-    if (is_line_end(*at_)) throw error("the line ends here", what);
-    throw error(quoted_word(), what);
+  if (problem != std::errc::invalid_argument) at_ = stop;
+  is_number_ = problem != std::errc::invalid_argument && at_word_end();
+  if (!is_number_) {
+    while (!at_word_end()) ++at_;
+    return std::numeric_limits<float>::quiet_NaN();
   }
-  at_ = stop;
-  if (!at_word_end()) throw error(quoted_word(), what);
   if (problem == std::errc::result_out_of_range) return kEndless;
   return std::isfinite(value) ? value : std::numeric_limits<float>::quiet_NaN();
 }
@@ -166,7 +167,7 @@ std::optional<float> LineReader::optional_number(const char* what) {
   return number(what);
 }
 
-int64_t LineReader::index() {
+std::optional<int64_t> LineReader::index() {
   const char* at = at_;
   const bool negative = *at == '-';
   if (negative) ++at;
@@ -176,7 +177,7 @@ int64_t LineReader::index() {
   const char* const first = at;
   for (; *at >= '0' && *at <= '9'; ++at) number = number * 10 + static_cast<uint64_t>(*at - '0');
   at_ = at;
-  if (at == begin) throw error(quoted_word(), "a vertex index");
+  if (at == begin) return std::nullopt;
   // More digits than any index has may have gone round.
   constexpr ptrdiff_t kMostDigits = 12;
   const int64_t value = at - first > kMostDigits ? kTooLarge : static_cast<int64_t>(number);

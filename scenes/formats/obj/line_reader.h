@@ -34,20 +34,20 @@ class LineReader {
 
   /// A finite number that single precision can hold.
   float number(const char* what);
-  /// The same for any number: NaN for what is no finite one, infinite beyond single precision.
-  float any_number(const char* what);
-  /// What a number is that any_number() returned and number() refuses: "a coordinate that is
-  /// finite".
-  static std::string bounded(const char* what, float value);
+  /// The same of any word: NaN for what is no finite number, infinite beyond single precision.
+  float any_number();
+  /// The rule that the number broke which any_number() returned last, and which number() refuses:
+  /// "a coordinate that is finite", or "a coordinate" where it was no number at all.
+  std::string rule(const char* what, float value) const;
   /// The next word if there is one.
   std::optional<float> optional_number(const char* what);
-  std::optional<float> optional_any_number(const char* what) {
+  std::optional<float> optional_any_number() {
     if (at_line_end() || *at_ == '#') return std::nullopt;
-    return any_number(what);
+    return any_number();
   }
   /// Reads an integer that may be negative; leaves the place after its last digit. One of more than
-  /// 12 digits is kTooLarge, or its negative.
-  int64_t index();
+  /// 12 digits is kTooLarge, or its negative. Nothing where there is no digit.
+  std::optional<int64_t> index();
   static constexpr int64_t kTooLarge = int64_t{1} << 40;
   /// The character at the place, '\n' at the line's end.
   char peek() const { return *at_; }
@@ -87,6 +87,7 @@ class LineReader {
   const char* word_ = nullptr;
   bool in_line_ = false;
   bool at_start_ = true;
+  bool is_number_ = true;     ///< what any_number() read last
   int64_t lines_before_ = 0;  ///< lines of the text before buffer_
 };
 

@@ -43,21 +43,30 @@ ObjFile ObjParser::parse() {
     }
     statement(keyword);
   }
+  if (problem_ && file_.mesh.triangle_count() == 0) throw *problem_;
   if (file_.mesh.positions.empty())
     throw scene_error(first, fmt::format("no vertex (v) in the whole file{}", begins_with),
                       "the text of an OBJ file");
-  if (unplaced_ && file_.mesh.triangle_count() == 0) throw *unplaced_;
   return std::move(file_);
 }
 
+void ObjParser::repair(std::string_view found, std::string_view expected, std::string_view taken) {
+  warnings_.repair(found, expected, taken, [&] { return in_.place(); });
+}
+
+void ObjParser::leave_out(std::string_view found, std::string_view expected,
+                          std::string_view taken) {
+  if (!problem_) problem_ = in_.error(found, expected);
+  repair(found, expected, taken);
+}
+
 float ObjParser::finite(const char* what, float instead, std::string_view taken) {
-  return checked(in_.any_number(what), what, instead, taken);
+  return checked(in_.any_number(), what, instead, taken);
 }
 
 float ObjParser::checked(float value, const char* what, float instead, std::string_view taken) {
   if (std::isfinite(value)) return value;
-  warnings_.repair(in_.quoted_word(), LineReader::bounded(what, value), taken,
-                   [&] { return in_.place(); });
+  repair(in_.quoted_word(), in_.rule(what, value), taken);
   return instead;
 }
 
@@ -85,7 +94,7 @@ void ObjParser::skip(std::string_view keyword) {
   } else if (std::find(kNotPolygons.begin(), kNotPolygons.end(), keyword) != kNotPolygons.end()) {
     warnings_.add(fmt::format("statement '{}' describes no polygon and is left out", keyword));
   } else if (!is_text(keyword)) {
-    throw in_.error("binary data", "the text of an OBJ file");
+    leave_out("binary data", "the text of an OBJ file", "the line is left out");
   } else {
     warnings_.add(fmt::format("unknown statement {} is left out", in_.quoted_word()));
   }
@@ -98,16 +107,17 @@ void ObjParser::vertex() {
   constexpr const char* kCoordinate = "a coordinate";
   constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
   for (int a = 0; a < 3; ++a) {
-    const float value = in_.any_number(kCoordinate);
-    if (!std::isfinite(value) && !unplaced_)
-      unplaced_ = in_.error(in_.quoted_word(), LineReader::bounded(kCoordinate, value));
-    positions.push_back(checked(value, kCoordinate, kNowhere, "the faces there are left out"));
+    const float value = in_.any_number();
+    const bool is_placed = std::isfinite(value);
+    if (!is_placed)
+      leave_out(in_.quoted_word(), in_.rule(kCoordinate, value), "the faces there are left out");
+    positions.push_back(is_placed ? value : kNowhere);
   }
   // Four numbers: a weight, which only curves use. Six or seven: a colour at the end.
   std::array<float, 4> more{};
   size_t count = 0;
   while (count < more.size()) {
-    const auto value = in_.optional_any_number("a number");
+    const auto value = in_.optional_any_number();
     if (!value) break;
     more[count++] = checked(*value, "a number", 1, "1 is taken");
   }
@@ -127,7 +137,7 @@ void ObjParser::texture_coordinate() {
   if (uvs.size() / 2 >= ObjMesh::kMaxElements) throw in_.error("too many vt", "fewer");
   constexpr const char* kWhat = "a texture coordinate";
   for (int a = 0; a < 2; ++a)
-    uvs.push_back(checked(in_.optional_any_number(kWhat).value_or(0.f), kWhat, 0, "0 is taken"));
+    uvs.push_back(checked(in_.optional_any_number().value_or(0.f), kWhat, 0, "0 is taken"));
 }
 
 void ObjParser::normal() {
@@ -137,8 +147,7 @@ void ObjParser::normal() {
     normals.push_back(finite("a component of the normal", 0, "0 is taken"));
   const float* const n = &normals[normals.size() - 3];
   if (n[0] != 0 || n[1] != 0 || n[2] != 0) return;
-  warnings_.repair("a normal of no length", "a direction",
-                   "the faces there are as if it were not given", [&] { return in_.place(); });
+  repair("a normal of no length", "a direction", "the faces there are as if it were not given");
 }
 
 void ObjParser::smoothing() {
@@ -152,21 +161,19 @@ void ObjParser::smoothing() {
   const auto [stop, problem] =
       std::from_chars(group.data(), group.data() + group.size(), smoothing_group_);
   constexpr uint32_t kMostGroups = ObjMesh::kMostSmoothingGroups;
-  const auto repair = [&](std::string_view expected, std::string_view taken) {
-    warnings_.repair(in_.quoted_word(), expected, taken, [&] { return in_.place(); });
-  };
   if (stop != group.data() + group.size() || problem == std::errc::invalid_argument) {
     smoothing_group_ = 0;
-    repair("a smoothing group's number, 'on' or 'off'", "'off' is taken");
+    repair(in_.quoted_word(), "a smoothing group's number, 'on' or 'off'", "'off' is taken");
   } else if (problem != std::errc() || smoothing_group_ > kMostGroups) {
     smoothing_group_ = kMostGroups;
-    repair(fmt::format("a smoothing group up to {}", kMostGroups), "that one is taken");
+    repair(in_.quoted_word(), fmt::format("a smoothing group up to {}", kMostGroups),
+           "that one is taken");
   }
 }
 
 void ObjParser::use_material() {
   const std::string name = to_utf8(in_.rest());
-  if (name.empty()) throw in_.error("usemtl without a name", "a material's name");
+  if (name.empty()) repair("usemtl without a name", "a material's name", "grey is taken");
   const auto [at, is_new] =
       material_index_.try_emplace(name, static_cast<uint32_t>(file_.materials.size()));
   if (is_new) file_.materials.push_back(name);
@@ -181,51 +188,60 @@ uint32_t ObjParser::current_material() {
   return material_;
 }
 
-uint32_t ObjParser::reference(const char* what, size_t count) {
-  const int64_t written = in_.index();
-  const int64_t index = written < 0 ? static_cast<int64_t>(count) + written : written - 1;
-  if (written == 0)
-    throw in_.error(fmt::format("{} 0 in {}", what, in_.quoted_word()),
-                    "a count from 1, or a negative one from the end");
-  if (index < 0 || index >= static_cast<int64_t>(count))
-    throw in_.error(std::abs(written) < LineReader::kTooLarge
-                        ? fmt::format("{} {} in {}", what, written, in_.quoted_word())
-                        : fmt::format("a {} in {}", what, in_.quoted_word()),
-                    count == 0 ? fmt::format("a {} before it", what)
-                               : fmt::format("at most {}, the number so far", count));
-  return static_cast<uint32_t>(index);
+uint32_t ObjParser::reference(const char* what, size_t count, std::string_view taken) {
+  const std::optional<int64_t> written = in_.index();
+  const int64_t number = written.value_or(0);
+  const int64_t index = number < 0 ? static_cast<int64_t>(count) + number : number - 1;
+  if (index >= 0 && index < static_cast<int64_t>(count)) return static_cast<uint32_t>(index);
+  if (!written)
+    leave_out(in_.quoted_word(), "a vertex index", taken);
+  else if (number == 0)
+    leave_out(fmt::format("{} 0 in {}", what, in_.quoted_word()),
+              "a count from 1, or a negative one from the end", taken);
+  else
+    leave_out(fmt::format("a {} in {}, of {} so far", what, in_.quoted_word(), count),
+              fmt::format("a {} before it", what), taken);
+  return kNoIndex;
 }
 
-MeshCorner ObjParser::corner() {
+bool ObjParser::corner() {
+  constexpr std::string_view kFace = "the face is left out", kPart = "the face is without it";
   const ObjMesh& mesh = file_.mesh;
   MeshCorner corner;
-  corner.position = reference("vertex", mesh.position_count());
+  corner.position = reference("vertex", mesh.position_count(), kFace);
+  if (corner.position == kNoIndex) return false;
   if (in_.peek() == '/') {
     in_.skip_char();
     if (in_.peek() != '/' && !in_.at_word_end())
-      corner.uv = reference("texture coordinate", mesh.uvs.size() / 2);
+      corner.uv = reference("texture coordinate", mesh.uvs.size() / 2, kPart);
     if (in_.peek() == '/') {
       in_.skip_char();
       if (!in_.at_word_end()) {
-        corner.normal = reference("normal", mesh.normals.size() / 3);
-        const float* const n = &mesh.normals[size_t{corner.normal} * 3];
-        if (n[0] == 0 && n[1] == 0 && n[2] == 0) corner.normal = kNoIndex;
+        corner.normal = reference("normal", mesh.normals.size() / 3, kPart);
+        if (corner.normal != kNoIndex) {
+          const float* const n = &mesh.normals[size_t{corner.normal} * 3];
+          if (n[0] == 0 && n[1] == 0 && n[2] == 0) corner.normal = kNoIndex;
+        }
       }
     }
   }
-  if (!in_.at_word_end()) throw in_.error(in_.quoted_word(), "v, v/t, v//n or v/t/n");
-  return corner;
+  if (!in_.at_word_end()) {
+    leave_out(in_.quoted_word(), "v, v/t, v//n or v/t/n", kFace);
+    return false;
+  }
+  polygon_.push_back(corner);
+  return true;
 }
 
 void ObjParser::face() {
   polygon_.clear();
-  while (!in_.at_line_end() && in_.peek() != '#') polygon_.push_back(corner());
+  while (!in_.at_line_end() && in_.peek() != '#')
+    if (!corner()) return;
   if (polygon_.size() < 3) {
-    warnings_.repair("a face with " + counted(polygon_.size(), "corner"), "at least 3",
-                     "it is left out", [&] { return in_.place(); });
+    leave_out("a face with " + counted(polygon_.size(), "corner"), "at least 3", "it is left out");
     return;
   }
-  if (unplaced_ && !is_placed()) return;
+  if (problem_ && !is_placed()) return;
   // A face either brings all of its normals or gets them from its smoothing group.
   const bool complete = std::none_of(polygon_.begin(), polygon_.end(),
                                      [](const auto& c) { return c.normal == kNoIndex; });
@@ -256,9 +272,8 @@ void ObjParser::add_polygon() {
       points_.push_back({p[at], p[at + 1], p[at + 2]});
     }
     if (!triangulate(points_, triples_)) {
-      warnings_.repair(fmt::format("a concave face with {} corners", polygon_.size()),
-                       fmt::format("at most {}", kMaxConcaveCorners), "it is left out",
-                       [&] { return in_.place(); });
+      leave_out(fmt::format("a concave face with {} corners", polygon_.size()),
+                fmt::format("at most {}", kMaxConcaveCorners), "it is left out");
       return;
     }
   }

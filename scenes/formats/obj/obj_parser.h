@@ -24,7 +24,8 @@ struct ObjFile {
   std::vector<std::string> libraries;  ///< the text after each mtllib
 };
 
-/// Throws scene_error with the place of what cannot be read.
+/// What cannot be read is left out with a warning. Throws scene_error with the place of the first
+/// such part where no triangle is left, and of a file beyond our bounds.
 class ObjParser {
  public:
   ObjParser(LineReader& reader, Warnings& warnings) : in_(reader), warnings_(warnings) {}
@@ -35,6 +36,10 @@ class ObjParser {
   /// A number, or `instead` of one that is not finite, with a warning that says so.
   float finite(const char* what, float instead, std::string_view taken);
   float checked(float value, const char* what, float instead, std::string_view taken);
+  /// Warns of what breaks a rule where the reader is, and of what is taken for it.
+  void repair(std::string_view found, std::string_view expected, std::string_view taken);
+  /// The same of a part that faces are lost with.
+  void leave_out(std::string_view found, std::string_view expected, std::string_view taken);
   bool is_placed() const;
   void vertex();
   void texture_coordinate();
@@ -43,8 +48,10 @@ class ObjParser {
   void smoothing();
   void use_material();
   void skip(std::string_view keyword);
-  MeshCorner corner();
-  uint32_t reference(const char* what, size_t count);
+  /// Adds a corner to polygon_. False where it cannot be read.
+  bool corner();
+  /// kNoIndex where the index refers to nothing.
+  uint32_t reference(const char* what, size_t count, std::string_view taken);
   void add_polygon();
   uint32_t current_material();
 
@@ -53,8 +60,8 @@ class ObjParser {
   ObjFile file_;
   std::map<std::string, uint32_t, std::less<>> material_index_;
   uint32_t material_ = kNoIndex;
-  uint32_t smoothing_group_ = 0;   ///< 0: off
-  std::optional<Error> unplaced_;  ///< of the first vertex that is nowhere
+  uint32_t smoothing_group_ = 0;  ///< 0: off
+  std::optional<Error> problem_;  ///< what is wrong with the first part that was left out
   std::vector<MeshCorner> polygon_;
   std::vector<Vec3> points_;
   std::vector<CornerTriple> triples_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <utility>
@@ -94,7 +95,6 @@ class HeaderReader {
         std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (problem != std::errc() || stop != count.data() + count.size())
       throw in_.error(in_.quoted_word(), fmt::format("the number of '{}'", element.name));
-    places_.push_back(in_.place());
     header_.elements.push_back(std::move(element));
   }
 
@@ -127,26 +127,22 @@ class HeaderReader {
     element.properties.push_back(std::move(property));
   }
 
-  /// More of anything than the rest of the file can hold is a lie; nothing is allocated for it.
+  /// More of anything than the rest of the file can hold is a lie; nothing is allocated for it. One
+  /// more is kept, with which the file ends too early for who reads it.
   void check_counts() {
-    for (size_t i = 0; i < header_.elements.size(); ++i) {
-      const PlyElement& element = header_.elements[i];
+    for (PlyElement& element : header_.elements) {
       uint64_t least = 0;
       for (const PlyProperty& property : element.properties)
         least += header_.encoding == PlyHeader::Encoding::ascii
                      ? 2
                      : ply_size(property.count_type.value_or(property.type));
       // The last number of a text needs no space behind it.
-      const uint64_t room = least == 0 ? element.count : (in_.remaining() + 1) / least;
-      if (element.count > room)
-        throw scene_error(places_[i], fmt::format("{} of '{}'", element.count, element.name),
-                          fmt::format("at most {}, for which the file has room", room));
+      if (least > 0) element.count = std::min(element.count, (in_.remaining() + 1) / least + 1);
     }
   }
 
   TokenReader in_;
   PlyHeader header_;
-  std::vector<SourcePlace> places_;
   bool has_format_ = false;
 };
 

@@ -33,8 +33,8 @@ struct PlyHeader {
   size_t data_begin = 0;     ///< the byte after the header
 };
 
-/// Reads the header of a PLY file (Turk 1994). Every element's count is held against the bytes that
-/// follow. Throws scene_error with the place.
+/// Reads the header of a PLY file (Turk 1994). No element's count is more than one above what the
+/// bytes that follow have room for. Throws scene_error with the place.
 PlyHeader read_ply_header(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera

@@ -83,30 +83,66 @@ class PlyMesh {
     for (size_t i = 0; i <= 255; ++i)
       codes_[i] = color_value(static_cast<double>(i), PlyType::uint8, false);
     std::vector<std::pair<const PlyElement*, Source>> before_vertices;
+    bool is_whole = true;
     for (const PlyElement& element : header.elements) {
       if (element.properties.empty()) continue;
       const bool has_faces = element.name == "face" || element.name == "tristrips";
-      if (element.name == "vertex") {
-        vertices(element);
-      } else if (has_faces && mesh_.vertex_count() > 0) {
-        faces(element);
-      } else {
-        if (has_faces)
-          before_vertices.emplace_back(&element, in_);
-        else if (element.count > 0)
-          warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
-        skip(element);
-      }
+      if (has_faces && mesh_.vertex_count() == 0) before_vertices.emplace_back(&element, in_);
+      is_whole = attempt([&] {
+        if (element.name == "vertex")
+          vertices(element);
+        else if (has_faces && mesh_.vertex_count() > 0)
+          faces(element);
+        else
+          leave_out(element, has_faces);
+      });
+      if (!is_whole) break;
     }
+    if (is_whole && in_.has_more()) warnings_.add("what follows the last element is not read");
     for (const auto& [element, begin] : before_vertices) {
       in_ = begin;
-      faces(*element);
+      attempt([&, from = element] { faces(*from); });
     }
-    if (unplaced_ && drop_unplaced(mesh_) > 0 && mesh_.triangle_count() == 0) throw *unplaced_;
+    replace_endless(mesh_.normals, 3, 0);
+    replace_endless(mesh_.uvs, 2, 0);
+    replace_endless(mesh_.colors, 4, 1);
+    if (problem_) drop_unplaced(mesh_);
+    if (problem_ && mesh_.triangle_count() == 0) throw *problem_;
     return std::move(mesh_);
   }
 
  private:
+  /// Reads an element. Where the file cannot be followed any more, as where it was cut short, it
+  /// warns that only what is whole before that is read, and returns false.
+  template <typename Read>
+  bool attempt(const Read& read) {
+    try {
+      read();
+      return true;
+    } catch (const Error& error) {
+      if (!problem_) problem_ = error;
+      warnings_.repair(error, "what is whole before it is read");
+      return false;
+    }
+  }
+
+  Error error(std::string_view row, std::string_view found, std::string_view expected) const {
+    return scene_error(in_.place(), in_.told(row, found), expected);
+  }
+
+  /// Warns of what breaks a rule, for which faces are left out.
+  void repair(std::string_view row, std::string_view found, std::string_view expected,
+              std::string_view taken) {
+    if (!problem_) problem_ = error(row, found, expected);
+    warnings_.repair(in_.told(row, found), expected, taken, [&] { return in_.place(); });
+  }
+
+  void leave_out(const PlyElement& element, bool is_read_later) {
+    if (element.count > 0 && !is_read_later)
+      warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
+    skip(element);
+  }
+
   void skip(const PlyElement& element) {
     for (uint64_t row = 0; row < element.count; ++row)
       for (const PlyProperty& property : element.properties) skip(property);
@@ -121,15 +157,15 @@ class PlyMesh {
     const double count = in_.value(*list.count_type);
     const uint64_t room = in_.room(list.type);
     if (!(count >= 0 && count <= static_cast<double>(room)) || count != std::floor(count))
-      throw in_.error(fmt::format("a list '{}' of ", list.name), fmt::format("{}", count),
-                      fmt::format("a count of at most {}, for which the file has room", room));
+      throw error(fmt::format("a list '{}' of ", list.name), fmt::format("{}", count),
+                  fmt::format("a count of at most {}, for which the file has room", room));
     return static_cast<uint64_t>(count);
   }
 
   void vertices(const PlyElement& element) {
-    if (mesh_.vertex_count() > 0) throw in_.error("", "a second element 'vertex'", "one");
+    if (mesh_.vertex_count() > 0) throw error("", "a second element 'vertex'", "one");
     if (element.count > kMaxVertices)
-      throw in_.error("", "too many vertices", fmt::format("at most {}", kMaxVertices));
+      throw error("", "too many vertices", fmt::format("at most {}", kMaxVertices));
     std::vector<size_t> slots;
     std::array<bool, kSlots> has{};
     for (const PlyProperty& property : element.properties) {
@@ -142,7 +178,7 @@ class PlyMesh {
         warnings_.add(fmt::format("property '{}' of 'vertex' is not read", property.name));
     }
     if (!has[kX] || !has[kY] || !has[kZ])
-      throw in_.error("", "vertices without x, y and z", "three coordinates");
+      throw error("", "vertices without x, y and z", "three coordinates");
     const bool normals = has[kNx] && has[kNy] && has[kNz];
     const bool uvs = has[kU] && has[kV];
     const bool colors = has[kRed] && has[kGreen] && has[kBlue];
@@ -158,16 +194,12 @@ class PlyMesh {
       if (uvs) put(mesh_.uvs, kU, kV);
       if (colors) put(mesh_.colors, kRed, kAlpha);
     }
-    replace_endless(mesh_.normals, 3, 0);
-    replace_endless(mesh_.uvs, 2, 0);
-    replace_endless(mesh_.colors, 4, 1);
   }
 
   void say_endless(size_t slot, double value) {
     constexpr const char* kExpected = "a finite number that single precision can hold";
     const bool is_position = slot <= kZ;
-    if (is_position && !unplaced_)
-      unplaced_ = scene_error(in_.place(), in_.shown(value), kExpected);
+    if (is_position && !problem_) problem_ = scene_error(in_.place(), in_.shown(value), kExpected);
     warnings_.repair(in_.shown(value), kExpected,
                      is_position   ? "the faces there are left out"
                      : slot <= kNz ? "the face's own normal is taken"
@@ -213,8 +245,8 @@ class PlyMesh {
             fmt::format("property '{}' of '{}' is not read", property.name, element.name));
     }
     if (list == element.properties.size())
-      throw in_.error("", fmt::format("'{}' without vertex_indices", element.name),
-                      "a list of that name");
+      throw error("", fmt::format("'{}' without vertex_indices", element.name),
+                  "a list of that name");
     for (uint64_t row = 0; row < element.count; ++row) {
       row_ = row;
       for (size_t p = 0; p < element.properties.size(); ++p) {
@@ -230,13 +262,18 @@ class PlyMesh {
 
   std::string row_name(const char* what) const { return fmt::format("{} {}: ", what, row_ + 1); }
 
-  uint32_t index(const PlyProperty& list, double value) {
+  /// Adds a corner to polygon_. False where there is no such vertex.
+  bool corner(const PlyProperty& list, double value, std::string_view taken) {
     const size_t count = mesh_.vertex_count();
-    if (!(value >= 0 && value < static_cast<double>(count)) || value != std::floor(value))
-      throw in_.error(row_name("face"), fmt::format("'{}' {}", list.name, value),
-                      count == 0 ? std::string("a file with vertices")
-                                 : fmt::format("an index of 0 to {}", count - 1));
-    return static_cast<uint32_t>(value);
+    if (value >= 0 && value < static_cast<double>(count) && value == std::floor(value)) {
+      polygon_.push_back(static_cast<uint32_t>(value));
+      return true;
+    }
+    repair(row_name("face"), fmt::format("'{}' {}", list.name, value),
+           count == 0 ? std::string("a file with vertices")
+                      : fmt::format("an index of 0 to {}", count - 1),
+           taken);
+    return false;
   }
 
   void add(uint32_t a, uint32_t b, uint32_t c) {
@@ -249,7 +286,10 @@ class PlyMesh {
   void face(const PlyProperty& list) {
     const uint64_t count = list_count(list);
     polygon_.clear();
-    for (uint64_t i = 0; i < count; ++i) polygon_.push_back(index(list, in_.value(list.type)));
+    bool is_whole = true;
+    for (uint64_t i = 0; i < count; ++i)
+      is_whole &= corner(list, in_.value(list.type), "the face is left out");
+    if (!is_whole) return;
     if (count == 3) return add(polygon_[0], polygon_[1], polygon_[2]);
     if (count < 3) return warnings_.add("faces with fewer than 3 corners are left out");
     points_.clear();
@@ -259,11 +299,10 @@ class PlyMesh {
     }
     triples_.clear();
     const auto is_placed = [](const Vec3& p) { return is_finite(p); };
-    if (unplaced_ && !std::all_of(points_.begin(), points_.end(), is_placed)) return;
+    if (problem_ && !std::all_of(points_.begin(), points_.end(), is_placed)) return;
     if (!triangulate(points_, triples_)) {
-      warnings_.repair(fmt::format("{}concave, with {} corners", row_name("face"), count),
-                       fmt::format("at most {}", kMaxConcaveCorners), "it is left out",
-                       [&] { return in_.place(); });
+      repair(row_name("face"), fmt::format("concave, with {} corners", count),
+             fmt::format("at most {}", kMaxConcaveCorners), "it is left out");
       return;
     }
     for (const CornerTriple& t : triples_) add(polygon_[t[0]], polygon_[t[1]], polygon_[t[2]]);
@@ -275,11 +314,10 @@ class PlyMesh {
     polygon_.clear();
     for (uint64_t i = 0; i < count; ++i) {
       const double value = in_.value(list.type);
-      if (value == -1) {
+      if (value == -1 || !corner(list, value, "the triangles there are left out")) {
         polygon_.clear();
         continue;
       }
-      polygon_.push_back(index(list, value));
       const size_t n = polygon_.size();
       if (n < 3) continue;
       const bool odd = n % 2 == 0;
@@ -292,7 +330,7 @@ class PlyMesh {
   Warnings& warnings_;
   MeshData mesh_;
   uint64_t row_ = 0;
-  std::optional<Error> unplaced_;  ///< of the first vertex that is nowhere
+  std::optional<Error> problem_;  ///< what is wrong with the first part that was left out
   std::array<float, 256> codes_{};
   std::vector<uint32_t> polygon_;
   std::vector<Vec3> points_;

@@ -19,14 +19,22 @@ class PlyText {
   PlyText(std::string_view bytes, const std::string& name, size_t begin)
       : in_(bytes, name, begin) {}
 
-  double value(PlyType /*type*/) { return in_.number("a finite number"); }
+  /// NaN for what is no number.
+  double value(PlyType /*type*/) {
+    const double value = in_.number();
+    if (in_.is_past_end()) throw in_.error(in_.quoted_word(), "a number");
+    return value;
+  }
   void skip(PlyType /*type*/) {
     if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a number");
   }
   /// How many more values the file has room for.
   uint64_t room(PlyType /*type*/) const { return in_.remaining() / 2 + 1; }
-  Error error(std::string_view /*row*/, std::string_view found, std::string_view expected) const {
-    return in_.error(found, expected);
+  /// Whether anything is left that was not read.
+  bool has_more() const { return !TokenReader(in_).word().empty(); }
+  /// What messages say of what was `found` in a row.
+  std::string told(std::string_view /*row*/, std::string_view found) const {
+    return std::string(found);
   }
   /// Of the value that was read last.
   SourcePlace place() const { return in_.place(); }
@@ -46,8 +54,9 @@ class PlyBinary {
   double value(PlyType type) { return any_value(type); }
   void skip(PlyType type) { any_value(type); }
   uint64_t room(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
-  Error error(std::string_view row, std::string_view found, std::string_view expected) const {
-    return scene_error(place(), fmt::format("{}{} (before byte {})", row, found, at_), expected);
+  bool has_more() const { return at_ < bytes_.size(); }
+  std::string told(std::string_view row, std::string_view found) const {
+    return fmt::format("{}{} (before byte {})", row, found, at_);
   }
   SourcePlace place() const { return {name_}; }
   std::string shown(double value) const { return fmt::format("{} (before byte {})", value, at_); }
@@ -57,7 +66,8 @@ class PlyBinary {
   double take() {
     std::array<char, sizeof(Number)> raw;
     if (bytes_.size() - at_ < raw.size())
-      throw error("", "the file ends here", "the data that its header announces");
+      throw scene_error(place(), told("", "the file ends here"),
+                        "the data that its header announces");
     std::memcpy(raw.data(), bytes_.data() + at_, raw.size());
     at_ += raw.size();
     if constexpr (kSwap) std::reverse(raw.begin(), raw.end());

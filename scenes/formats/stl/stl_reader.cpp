@@ -48,15 +48,16 @@ class StlMesh {
       triangles_.insert(triangles_.end(), t.begin(), t.end());
   }
 
-  /// Says that the next triangle has a number that is not finite.
-  void say_endless(const std::string& found, const char* expected, const Warnings::Where& where) {
-    if (!unplaced_) unplaced_ = scene_error(where(), found, expected);
+  /// Warns of what breaks a rule, for which a triangle is left out.
+  void leave_out(const std::string& found, const std::string& expected,
+                 const Warnings::Where& where) {
+    if (!problem_) problem_ = scene_error(where(), found, expected);
     warnings_.repair(found, expected, "the triangle is left out", where);
   }
 
   /// Throws where such triangles were all that there was.
   MeshData take() {
-    if (unplaced_ && triangles_.empty()) throw *unplaced_;
+    if (problem_ && triangles_.empty()) throw *problem_;
     MeshData mesh;
     mesh.positions = points_.take();
     mesh.triangles = std::move(triangles_);
@@ -67,7 +68,7 @@ class StlMesh {
   Warnings& warnings_;
   PointTable points_;
   std::vector<uint32_t> triangles_;
-  std::optional<Error> unplaced_;  ///< of the first triangle that is nowhere
+  std::optional<Error> problem_;  ///< what is wrong with the first triangle that was left out
 };
 
 uint32_t announced_triangles(std::string_view bytes) {
@@ -85,9 +86,14 @@ bool says_solid(std::string_view bytes) {
   return lower_case(std::string(TokenReader(bytes, "").word())) == "solid";
 }
 
-/// Binary files may begin with "solid" too; a text has no zero.
+/// Binary files may begin with "solid" too; a text has a facet where those have their first
+/// triangles, and else no zero.
 bool is_text(std::string_view bytes) {
-  return says_solid(bytes) && bytes.find('\0') == std::string_view::npos;
+  constexpr size_t kBegin = 1000;
+  return says_solid(bytes) &&
+         (lower_case(std::string(bytes.substr(0, kBegin))).find("facet normal") !=
+              std::string::npos ||
+          bytes.find('\0') == std::string_view::npos);
 }
 
 /// A binary file's header may be anything: this has to be a text's.
@@ -97,29 +103,58 @@ bool is_text_in_utf16(std::string_view bytes) {
   return is_utf16(bytes) && says_solid(head);
 }
 
+/// Whether most of the first records from number `first` on hold a normal, or zeros for one: other
+/// bytes than triangles have them by no chance.
+bool are_triangles(std::string_view bytes, size_t first) {
+  constexpr size_t kMost = 100;
+  const std::string_view records = bytes.substr(kDataBegin + first * kRecord);
+  const size_t looked_at = std::min(records.size() / kRecord, kMost);
+  size_t normals = 0;
+  for (size_t i = 0; i < looked_at; ++i) {
+    std::array<float, 3> n;
+    std::memcpy(n.data(), records.data() + i * kRecord, sizeof n);
+    const double squared = double{n[0]} * n[0] + double{n[1]} * n[1] + double{n[2]} * n[2];
+    if (squared == 0 || std::abs(squared - 1) < .01) ++normals;
+  }
+  return normals * 2 > looked_at;
+}
+
+/// How many triangles of a binary file are read: as many as it announces, or as it holds where that
+/// is another number because the file was cut short, or its header never completed.
+size_t triangles_to_read(std::string_view bytes, const std::string& name, Warnings& warnings) {
+  const size_t announced = announced_triangles(bytes);
+  const size_t room = (bytes.size() - kDataBegin) / kRecord;
+  const bool is_filled = (bytes.size() - kDataBegin) % kRecord == 0;
+  if (announced == room && is_filled) return announced;
+  const bool has_more = announced < room && (is_filled || announced == 0);
+  if (announced <= room && !(has_more && are_triangles(bytes, announced))) {
+    warnings.add("what follows the last triangle is not read");
+    return announced;
+  }
+  const std::string found = fmt::format(
+      "{}{} triangles in the header",
+      says_solid(bytes) ? "'solid', but zeros behind it as in binary files, and " : "", announced);
+  const std::string expected = fmt::format("{}, for which the file has room", room);
+  if (!are_triangles(bytes, 0)) throw scene_error({name}, found, expected);
+  warnings.repair(found, expected, "those are read", [&] { return SourcePlace{name}; });
+  return room;
+}
+
 void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,
                  Warnings& warnings) {
   if (bytes.size() < kDataBegin)
     throw scene_error({name}, "neither 'solid' nor the 84 bytes that binary files begin with",
                       "an STL file");
-  const size_t count = announced_triangles(bytes);
-  const size_t room = (bytes.size() - kDataBegin) / kRecord;
-  if (count > room || count > kMaxTriangles)
-    throw scene_error(
-        {name},
-        fmt::format(
-            "{}{} triangles in the header",
-            says_solid(bytes) ? "'solid', but zeros behind it as in binary files, and " : "",
-            count),
-        fmt::format("at most {}, for which the file has room", std::min(room, kMaxTriangles)));
-  if (bytes.size() > kDataBegin + count * kRecord)
-    warnings.add("what follows the last triangle is not read");
+  const size_t count = triangles_to_read(bytes, name, warnings);
+  if (count > kMaxTriangles)
+    throw scene_error({name}, fmt::format("{} triangles", count),
+                      fmt::format("at most {}", kMaxTriangles));
   for (size_t i = 0; i < count; ++i) {
     Corners corners;
     std::memcpy(corners.data(), bytes.data() + kDataBegin + i * kRecord + 12, sizeof corners);
     if (const float* const c = find_endless(corners))
-      mesh.say_endless(fmt::format("triangle {} of {}: coordinate {}", i + 1, count, *c),
-                       "finite numbers", [&] { return SourcePlace{name}; });
+      mesh.leave_out(fmt::format("triangle {} of {}: coordinate {}", i + 1, count, *c),
+                     "finite numbers", [&] { return SourcePlace{name}; });
     mesh.add(corners);
   }
 }
@@ -137,11 +172,10 @@ class StlText {
         facet();
       } else if (keyword == "solid" || keyword == "endsolid") {
         skip_name();
-      } else if (keyword == "end") {
-        expect("solid");
+      } else if (keyword == "end" && expect("solid")) {
         skip_name();
-      } else {
-        throw in_.error(in_.quoted_word(), "facet, solid or endsolid");
+      } else if (keyword != "end") {
+        leave_out("facet, solid or endsolid");
       }
     }
   }
@@ -150,8 +184,18 @@ class StlText {
   /// Some programs write keywords in capitals.
   std::string next() { return lower_case(std::string(in_.word())); }
 
-  void expect(std::string_view wanted) {
-    if (next() != wanted) throw in_.error(in_.quoted_word(), fmt::format("'{}'", wanted));
+  bool expect(std::string_view wanted) {
+    if (next() == wanted) return true;
+    leave_out(fmt::format("'{}'", wanted));
+    return false;
+  }
+
+  /// Warns of the word that was read last, and goes to where the next facet may begin.
+  void leave_out(const std::string& expected) {
+    mesh_.leave_out(in_.quoted_word(), expected, [&] { return in_.place(); });
+    go_to(in_.word_offset());
+    for (std::string word = next(); !word.empty() && word != "endfacet"; word = next())
+      if (word == "facet" || word == "solid") return go_to(in_.word_offset());
   }
 
   /// To the end of the line, or to the facet that begins in it: some files are one line.
@@ -173,26 +217,20 @@ class StlText {
   void go_to(size_t offset) { in_ = TokenReader(bytes_, name_, offset); }
 
   void facet() {
-    expect("normal");
+    if (!expect("normal")) return;
     // Never used, and some programs write what is no number for the normals of slivers.
     for (int a = 0; a < 3; ++a)
-      if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a component of the normal");
-    expect("outer");
-    expect("loop");
+      if (in_.word().empty()) return leave_out("a component of the normal");
+    if (!expect("outer") || !expect("loop")) return;
     Corners corners{};
     for (auto& corner : corners) {
-      expect("vertex");
+      if (!expect("vertex")) return;
       for (float& c : corner) {
-        const bool is_first = find_endless(corners) == nullptr;
-        c = static_cast<float>(in_.number("a coordinate"));
-        if (!std::isfinite(c) && is_first)
-          mesh_.say_endless(in_.quoted_word(), "a coordinate that single precision can hold",
-                            [&] { return in_.place(); });
+        c = static_cast<float>(in_.number());
+        if (!std::isfinite(c)) return leave_out("a coordinate that single precision can hold");
       }
     }
-    expect("endloop");
-    expect("endfacet");
-    mesh_.add(corners);
+    if (expect("endloop") && expect("endfacet")) mesh_.add(corners);
   }
 
   std::string_view bytes_;

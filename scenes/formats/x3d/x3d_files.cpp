@@ -48,23 +48,15 @@ std::string X3dFiles::folder_of(const std::string& file) {
   return slash == std::string::npos ? "" : file.substr(0, slash);
 }
 
-X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder) const {
-  return find(url, folder, false);
-}
-
-X3dFiles::Found X3dFiles::find_picture(const std::string& url, const std::string& folder) const {
-  return find(url, folder, true);
-}
-
 X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder,
-                               bool is_picture) const {
+                               bool takes_others) const {
   if (has_scheme(url)) return {.reason = "only files are read, and nothing from the network"};
   const std::string path = path_of(url);
   if (path.empty()) return {.reason = "it names no file"};
   AssetFolder from = *assets_;
   from.folder = (from.folder / folder).lexically_normal();
   const auto [target, note] =
-      is_picture ? from.find_asset(path) : AssetFolder::Found{from.find(path)};
+      takes_others ? from.find_asset(path) : AssetFolder::Found{from.find(path)};
   if (!target) return {.reason = fmt::format("it is not inside {}", assets_->shown_root())};
   if (!is_input_file(*target)) return {.reason = "there is no such file"};
   return {.file = target->lexically_relative(assets_->folder).generic_string(), .note = note};

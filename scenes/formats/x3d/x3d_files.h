@@ -29,10 +29,9 @@ class X3dFiles {
     std::string reason{};  ///< then: why not
     std::string note{};    ///< as of AssetFolder::Found
   };
-  /// The file that `url` names, as written in a file of `folder`.
-  Found find(const std::string& url, const std::string& folder) const;
-  /// The same of a picture, as AssetFolder::find_asset() looks for it.
-  Found find_picture(const std::string& url, const std::string& folder) const;
+  /// The file that `url` names, as written in a file of `folder`. `takes_others`: another one may
+  /// be taken for it, as AssetFolder::find_asset() looks for it.
+  Found find(const std::string& url, const std::string& folder, bool takes_others) const;
   /// The URL as messages show it: what a data: URI holds is cut off.
   static std::string shown(const std::string& url);
 
@@ -50,8 +49,6 @@ class X3dFiles {
   bool is_endless = false;
 
  private:
-  Found find(const std::string& url, const std::string& folder, bool is_picture) const;
-
   std::optional<AssetFolder> assets_;
 };
 

@@ -63,7 +63,10 @@ void X3dTranslator::add_all(const v1::Transform& path, double unit, Nodes& out) 
   failures_.throw_if_any();
   list_ignored();
   for (const X3dDocument::Remark& remark : document_.remarks())
-    values_.warn(remark.offset, remark.text);
+    if (remark.taken.empty())
+      values_.warn(remark.offset, remark.text);
+    else
+      values_.repair(remark.offset, remark.text, remark.expected, remark.taken);
   warnings_.add_to(out_, document_.name());
 }
 

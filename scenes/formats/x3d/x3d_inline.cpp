@@ -94,10 +94,12 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
   if (urls.empty()) return;
   std::string reasons;
   for (const std::string& url : urls) {
-    const std::string reason = read_inline(node, url, path, out);
+    const std::string reason = read_inline(node, url, false, path, out);
     if (reason.empty()) return;
     reasons += reasons.empty() ? reason : fmt::format("; '{}': {}", X3dFiles::shown(url), reason);
   }
+  for (const std::string& url : urls)
+    if (read_inline(node, url, true, path, out).empty()) return;
   if (build_.options.x3d_strict)
     throw document_.error(node.offset,
                           fmt::format("Inline of '{}': {}", X3dFiles::shown(urls[0]), reasons),
@@ -106,22 +108,29 @@ void X3dTranslator::add_inline(const X3dNode& node, const v1::Transform& path, v
                fmt::format("Inline of '{}' is left out: {}", X3dFiles::shown(urls[0]), reasons));
 }
 
-/// Why what the URL names is no part of the scene; empty where it is.
+/// Why what the URL names is no part of the scene; empty where it is. `takes_others`: another file
+/// may be taken for it, with a warning.
 std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& url,
-                                       const v1::Transform& path, v1::Node& out) {
+                                       bool takes_others, const v1::Transform& path,
+                                       v1::Node& out) {
   X3dFiles& files = build_.files;
   if (!files.has_folder()) return "no folder is known";
-  const X3dFiles::Found found = files.find(url, folder_);
+  const X3dFiles::Found found = files.find(url, folder_, takes_others);
   if (found.file.empty()) return found.reason;
+  const bool is_other = !found.note.empty();
   const auto endless = [&](const std::string& what, const std::string& expected) {
     files.is_endless = true;
     return document_.error(node.offset, what, expected);
   };
-  if (std::find(files.open.begin(), files.open.end(), found.file) != files.open.end())
+  const bool is_open =
+      std::find(files.open.begin(), files.open.end(), found.file) != files.open.end();
+  if (is_open && is_other) return "it is a part of the only file of that name";
+  if (is_open)
     throw endless(fmt::format("Inline of '{}', of which it is a part", url),
                   "files that are not a part of themselves");
   if (const auto known = files.objects.find(found.file); known != files.objects.end()) {
     out.set_instance_of(known->second);
+    if (is_other) values_.warn(node.offset, "the Inline " + found.note);
     return "";
   }
   if (const auto known = files.problems.find(found.file); known != files.problems.end())
@@ -137,6 +146,7 @@ std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& u
     files.objects.emplace(found.file, name);
     out.set_instance_of(name);
     add_file(found.file, name, path);
+    if (is_other) values_.warn(node.offset, "the Inline " + found.note);
     return "";
   } catch (const Error& error) {  // as one that is missing
     if (files.is_endless || error.code() != ExitCode::bad_scene) throw;

@@ -206,9 +206,7 @@ std::string X3dTranslator::check_picture(const std::string& url, bool takes_othe
     out.file = url;
     return "";
   }
-  const X3dFiles& files = build_.files;
-  const X3dFiles::Found found =
-      takes_others ? files.find_picture(url, folder_) : files.find(url, folder_);
+  const X3dFiles::Found found = build_.files.find(url, folder_, takes_others);
   if (found.file.empty()) return found.reason;
   if (check) problem = check(build_.files.full(found.file), nullptr);
   out.is_damaged |= !problem.empty();
@@ -270,23 +268,36 @@ std::string X3dTranslator::placeholder_texture() {
 }
 
 std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image image) {
-  const auto pixels = values_.integers(node, "image").values;
+  auto pixels = values_.integers(node, "image").values;
   if (pixels.empty()) return "";
-  const size_t offset = node.field("image")->offset;
-  const auto wrong = [&](const std::string& found, const char* expected) {
-    return document_.error(offset, found, expected);
-  };
-  if (pixels.size() < 3) throw wrong("an image without its size", "width, height and components");
+  constexpr std::string_view kLeftOut = "it is left out";
+  if (pixels.size() < 3) {
+    values_.repair(node, "image", "an image without its size", "width, height and components",
+                   kLeftOut);
+    return "";
+  }
   const int32_t width = pixels[0], height = pixels[1], components = pixels[2];
   if (width < 0 || height < 0 || width > kMaxPixelSide || height > kMaxPixelSide ||
-      components < 0 || components > 4)
-    throw wrong(fmt::format("an image of {} x {} with {} components", width, height, components),
-                "sides of 0 to 65536 and 0 to 4 components");
+      components < 0 || components > 4) {
+    values_.repair(node, "image",
+                   fmt::format("an image of {} x {} with {} components", width, height, components),
+                   "sides of 0 to 65536 and 0 to 4 components", kLeftOut);
+    return "";
+  }
   const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
-  if (pixels.size() - 3 != count)
-    throw wrong(fmt::format("{} pixels in an image of {} x {}", pixels.size() - 3, width, height),
-                "one number a pixel");
   if (count == 0 || components == 0) return "";
+  if (const size_t given = pixels.size() - 3; given != count) {
+    // A short text shall not become a large picture.
+    const bool is_kept = given >= count / 2;
+    values_.repair(node, "image",
+                   fmt::format("{} pixels in an image of {} x {}", given, width, height),
+                   "one number a pixel",
+                   given > count ? "the first ones are taken"
+                   : is_kept     ? "the others are 0"
+                                 : kLeftOut);
+    if (!is_kept) return "";
+    pixels.resize(3 + count);
+  }
   put_texels(from_bottom_up(pixels, static_cast<uint32_t>(components)), image, out_.blobs);
   v1::Texture texture;
   *texture.mutable_image() = std::move(image);

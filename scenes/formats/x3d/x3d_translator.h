@@ -75,8 +75,8 @@ class X3dTranslator {
   void mark(const X3dNode& node, v1::Node& out);
   v1::Transform transform(const X3dNode& node) const;
   void add_inline(const X3dNode& node, const v1::Transform& path, v1::Node& out);
-  std::string read_inline(const X3dNode& node, const std::string& url, const v1::Transform& path,
-                          v1::Node& out);
+  std::string read_inline(const X3dNode& node, const std::string& url, bool takes_others,
+                          const v1::Transform& path, v1::Node& out);
   void add_file(const std::string& file, const std::string& name, const v1::Transform& path);
   void check_names();
   void warn_unknown_field(size_t offset, const X3dNodeType& type, const std::string& name);

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <functional>
 #include <set>
 
 #include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/formats/x3d/document/x3d_tree.h"
+#include "scenes/import/decimal.h"
 
 namespace tessera {
 namespace {
@@ -24,6 +26,14 @@ bool is_letter(char c) {
 
 bool is_bool(std::string_view word) {
   return word == "TRUE" || word == "FALSE" || word == "true" || word == "false";
+}
+
+/// Whether it is a number that is not finite, such as "nan", which begins as a name does.
+bool is_endless(std::string_view word) {
+  const char* const end = word.data() + word.size();
+  double value = 0;
+  const auto [stop, problem] = read_decimal(word.data(), end, value);
+  return stop == end && problem == std::errc() && !std::isfinite(value);
 }
 
 /// Where the string ends whose opening quote is at `at`: behind the closing one, or npos.
@@ -276,7 +286,7 @@ class X3dClassicReader {
     } else if (first.is("[")) {
       take();
       read_list(node, name, depth);
-    } else if (first.is_name()) {
+    } else if (first.is_name() && !is_endless(first.text)) {
       tree_.add_child(node, name, read_node(depth + 1));
     } else {
       const Token last = skip_plain_value();
@@ -286,7 +296,7 @@ class X3dClassicReader {
 
   void read_list(X3dNode& node, const std::string& name, int depth) {
     const Token first = peek();
-    if (first.is_name()) {
+    if (first.is_name() && !is_endless(first.text)) {
       while (!peek().is("]"))
         if (!read_aside(depth)) tree_.add_child(node, name, read_node(depth + 1));
       take();
@@ -317,7 +327,8 @@ class X3dClassicReader {
     if (last.is_string() || is_bool(last.text)) return last;
     if (last.text.empty() || is_mark(last.text[0])) throw unexpected(last, "a value");
     const auto is_number = [](const Token& token) {
-      return !token.text.empty() && !is_mark(token.text[0]) && !is_letter(token.text[0]);
+      return !token.text.empty() && !is_mark(token.text[0]) &&
+             (!is_letter(token.text[0]) || is_endless(token.text));
     };
     while (is_number(peek())) last = take();
     return last;

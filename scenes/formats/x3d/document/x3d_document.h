@@ -74,6 +74,7 @@ class X3dDocument {
   struct Remark {
     size_t offset;
     std::string text;
+    std::string expected{}, taken{};  ///< of what breaks a rule, as of Warnings::repair()
   };
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::string& name() const { return name_; }

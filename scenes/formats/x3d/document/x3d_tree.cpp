@@ -59,24 +59,31 @@ X3dNode* X3dTree::use(const std::string& name, std::string_view type, size_t off
   const auto& defs = scopes_.back().defs;
   const auto known = defs.find(name);
   if (known == defs.end()) {
+    constexpr size_t kMostSuggested = 50;  // finding the nearest name takes time
     std::vector<std::string> names;
-    for (const auto& entry : defs) names.push_back(entry.first);
-    throw document_.error(offset, fmt::format("USE of '{}', which is not defined", name),
-                          "the DEF name of a node before it" + suggestion(name, names));
+    if (document_.remarks_.size() < kMostSuggested)
+      for (const auto& entry : defs) names.push_back(entry.first);
+    document_.remarks_.push_back(
+        {offset, fmt::format("USE of '{}', which is not defined{}", name, suggestion(name, names)),
+         "the DEF name of a node before it", "it is left out"});
+    return nullptr;
   }
   X3dNode& node = *known->second;
-  if (open_.contains(&node))
-    throw document_.error(offset, fmt::format("USE of '{}' inside itself", name),
-                          "a graph without cycles");
+  if (open_.contains(&node)) {
+    document_.remarks_.push_back({offset, fmt::format("USE of '{}' inside itself", name),
+                                  "a graph without cycles", "it is left out"});
+    return nullptr;
+  }
   if (!type.empty() && node.type != type)
-    throw document_.error(offset,
-                          fmt::format("{} with USE of '{}', which is a {}", type, name, node.type),
-                          "the same type");
+    document_.remarks_.push_back(
+        {offset, fmt::format("{} with USE of '{}', which is a {}", type, name, node.type),
+         "the same type", "the node of that name is taken"});
   ++node.uses;
   return &node;
 }
 
 void X3dTree::add_child(X3dNode& parent, const std::string& container, X3dNode* node) {
+  if (!node) return;
   parent.height = std::max(parent.height, node->height + 1);
   if (parent.height > X3dDocument::kMaxHeight)
     throw document_.error(node->offset, "nodes nested too deep once USE and PROTO are followed",
@@ -171,9 +178,9 @@ void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying)
 
 void X3dTree::set_unit(const std::string& category, double factor, size_t offset) {
   if (!(factor > 0) || !std::isfinite(factor))
-    throw document_.error(offset, fmt::format("a {} unit of {}", category, factor),
-                          "a factor above 0");
-  if (category == "length")
+    document_.remarks_.push_back({offset, fmt::format("a {} unit of {}", category, factor),
+                                  "a factor above 0", "it is left out"});
+  else if (category == "length")
     document_.metres_per_unit_ = factor;
   else if (category == "angle")
     document_.radians_per_unit_ = factor;

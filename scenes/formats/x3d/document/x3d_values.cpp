@@ -34,17 +34,14 @@ void for_each_word(std::string_view text, const Action& action) {
   }
 }
 
+/// Reads a number; returns the rule that the word breaks, or null.
 template <typename Number>
-Number parse(const X3dDocument& document, std::string_view word, size_t offset) {
+const char* parse(std::string_view word, Number& value) {
   const char* const end = word.data() + word.size();
-  Number value = 0;
   const auto [stop, problem] = read_decimal(word.data(), end, value);
-  if (stop != end || problem == std::errc::invalid_argument)
-    throw document.error(offset, shown(word), "a number");
-  if (problem == std::errc::result_out_of_range)
-    throw document.error(offset, shown(word), "a number in the range of its precision");
-  if (!std::isfinite(value)) throw document.error(offset, shown(word), "a finite number");
-  return value;
+  if (stop != end || problem == std::errc::invalid_argument) return "a number";
+  if (problem == std::errc::result_out_of_range) return "a number in the range of its precision";
+  return std::isfinite(value) ? nullptr : "a finite number";
 }
 
 /// What stands between the quotes of the string that begins at `at`, which is moved behind it. One
@@ -85,23 +82,38 @@ void X3dValues::warn_of(const X3dNode& node, std::string_view name, std::string_
 
 void X3dValues::repair(const X3dNode& node, std::string_view name, std::string_view found,
                        std::string_view expected, std::string_view taken) const {
-  warnings_.repair(found, expected, taken,
-                   [&] { return document_.place(node.field(name)->offset); });
+  repair(node.field(name)->offset, found, expected, taken);
 }
 
 template <typename Number>
-std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name,
-                                    size_t width) const {
+std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name, size_t width,
+                                    std::string_view taken) const {
   std::vector<Number> values;
   const X3dField* field = read_field(node, name);
   if (!field) return values;
   for_each_word(field->text, [&](std::string_view word, size_t at) {
-    values.push_back(parse<Number>(document_, word, field->offset + at));
+    Number value = 0;
+    if (const char* const rule = parse(word, value)) {
+      repair(field->offset + at, shown(word), rule, taken);
+      value = std::numeric_limits<Number>::quiet_NaN();
+    }
+    values.push_back(value);
   });
-  if (values.size() % width != 0)
-    throw document_.error(
-        field->offset, fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
-        fmt::format("a multiple of {}", width));
+  if (values.size() % width != 0) {
+    repair(field->offset,
+           fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
+           fmt::format("a multiple of {}", width), "the last ones are left out");
+    values.resize(values.size() / width * width);
+  }
+  return values;
+}
+
+template <typename Number>
+std::vector<Number> X3dValues::finite_list(const X3dNode& node, std::string_view name,
+                                           size_t width) const {
+  std::vector<Number> values = list<Number>(node, name, width, "0 is taken");
+  for (Number& value : values)
+    if (std::isnan(value)) value = 0;
   return values;
 }
 
@@ -123,12 +135,16 @@ bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwi
 
 std::vector<double> X3dValues::exactly(const X3dNode& node, std::string_view name,
                                        size_t count) const {
-  std::vector<double> values = list<double>(node, name, 1);
+  constexpr std::string_view kLeftOut = "the field is left out";
+  std::vector<double> values = list<double>(node, name, 1, kLeftOut);
   const X3dField* field = node.field(name);
   if (field && values.size() != count)
-    throw document_.error(
-        field->offset, fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
-        fmt::format("{}", count));
+    repair(field->offset,
+           fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
+           fmt::format("{}", count), values.size() < count ? kLeftOut : "the first ones are taken");
+  values.resize(values.size() < count ? 0 : count);
+  for (const double value : values)
+    if (std::isnan(value)) return {};
   return values;
 }
 
@@ -138,7 +154,8 @@ double X3dValues::number(const X3dNode& node, std::string_view name, double othe
 }
 
 double X3dValues::angle(const X3dNode& node, std::string_view name, double otherwise) const {
-  return node.field(name) ? number(node, name, 0) * document_.radians_per_unit() : otherwise;
+  const auto values = exactly(node, name, 1);
+  return values.empty() ? otherwise : values[0] * document_.radians_per_unit();
 }
 
 std::vector<double> X3dValues::angles(const X3dNode& node, std::string_view name) const {
@@ -164,9 +181,12 @@ int64_t X3dValues::integer(const X3dNode& node, std::string_view name, int64_t o
   const Integers values = integers(node, name);
   const X3dField* field = node.field(name);
   if (!field) return otherwise;
-  if (values.values.size() != 1)
-    throw document_.error(field->offset, fmt::format("{} numbers", values.values.size()), "1");
-  return values.values[0];
+  const size_t count = values.values.size();
+  if (count != 1)
+    repair(field->offset, fmt::format("{} numbers in {} of {}", count, name, describe(node)), "1",
+           count == 0 ? "the field is left out" : "the first ones are taken");
+  const bool is_given = count > 0 && values.values[0] != std::numeric_limits<int32_t>::min();
+  return is_given ? values.values[0] : otherwise;
 }
 
 Vec3 X3dValues::vec3(const X3dNode& node, std::string_view name, const Vec3& otherwise) const {
@@ -222,7 +242,7 @@ std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_vie
   if (first == text.size()) return out;
   if (text[first] != '"') {
     if (document_.quotes_strings())
-      throw document_.error(field->offset, shown(text), "a string in quotes");
+      repair(field->offset, shown(text), "a string in quotes", "it is taken for one");
     return {std::string(text)};
   }
   for (size_t at = first; at < text.size();) {
@@ -231,7 +251,9 @@ std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_vie
     } else if (text[at] == '"') {
       out.push_back(unquote(text, at));
     } else {
-      throw document_.error(field->offset + at, shown(text.substr(at)), "a string in quotes");
+      repair(field->offset + at, shown(text.substr(at)), "a string in quotes",
+             "what follows is left out");
+      break;
     }
   }
   return out;
@@ -239,15 +261,20 @@ std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_vie
 
 std::vector<double> X3dValues::numbers(const X3dNode& node, std::string_view name,
                                        size_t width) const {
-  return list<double>(node, name, width);
+  return finite_list<double>(node, name, width);
 }
 
 std::vector<float> X3dValues::floats(const X3dNode& node, std::string_view name,
                                      size_t width) const {
-  return list<float>(node, name, width);
+  return finite_list<float>(node, name, width);
+}
+
+std::vector<float> X3dValues::points(const X3dNode& node) const {
+  return list<float>(node, "point", 3, "what is there is left out");
 }
 
 X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view name) const {
+  constexpr int32_t kLowest = std::numeric_limits<int32_t>::min();
   Integers out;
   const X3dField* field = read_field(node, name);
   if (!field) return out;
@@ -258,8 +285,11 @@ X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view na
     int64_t value = 0;
     const auto [stop, problem] = std::from_chars(begin, end, value, hex ? 16 : 10);
     if (stop != end || problem != std::errc() || value > std::numeric_limits<uint32_t>::max() ||
-        value < std::numeric_limits<int32_t>::min())
-      throw document_.error(field->offset + at, shown(word), "a 32-bit integer");
+        value < kLowest) {
+      repair(field->offset + at, shown(word), "a 32-bit integer",
+             fmt::format("{} is taken", kLowest));
+      value = kLowest;
+    }
     out.values.push_back(static_cast<int32_t>(value));
     out.offsets.push_back(static_cast<uint32_t>(field->offset + at));
   });

@@ -19,8 +19,8 @@ struct X3dRotation {
   double angle = 0;
 };
 
-/// Reads the values of fields; a field that is not there has its default. Throws scene_error with
-/// the place of what cannot be read. Every number is finite.
+/// Reads the values of fields; a field that is not there has its default. What cannot be read is
+/// left out with a warning. Every number is finite.
 class X3dValues {
  public:
   /// Both must outlive this.
@@ -45,11 +45,14 @@ class X3dValues {
   /// A list of strings; in XML, one without quotes is one string.
   std::vector<std::string> strings(const X3dNode& node, std::string_view name) const;
 
-  /// All numbers of a list, a multiple of `width`; empty where the field is not there.
+  /// All numbers of a list, a multiple of `width`, with 0 for what is none; empty where the field
+  /// is not there.
   std::vector<double> numbers(const X3dNode& node, std::string_view name, size_t width) const;
   /// The same as single-precision values.
   std::vector<float> floats(const X3dNode& node, std::string_view name, size_t width) const;
-  /// Integers and where each is written.
+  /// The points of a Coordinate node, x y z each, with NaN for what is no finite number.
+  std::vector<float> points(const X3dNode& node) const;
+  /// Integers, with the lowest one for what is none, and where each is written.
   struct Integers {
     std::vector<int32_t> values;
     std::vector<uint32_t> offsets;
@@ -67,6 +70,11 @@ class X3dValues {
   /// Warns that a field, which is there, breaks the rule `expected`, and what is `taken` for it.
   void repair(const X3dNode& node, std::string_view name, std::string_view found,
               std::string_view expected, std::string_view taken) const;
+  /// The same of what stands at `offset`.
+  void repair(size_t offset, std::string_view found, std::string_view expected,
+              std::string_view taken) const {
+    warnings_.repair(found, expected, taken, [&] { return document_.place(offset); });
+  }
 
   /// Counts what is made of a node at `offset` as if so much were read.
   void spend(size_t bytes, size_t offset) const;
@@ -75,10 +83,15 @@ class X3dValues {
   static constexpr size_t kMaxReadBytes = size_t{256} << 20, kMaxReadTimes = 16;
 
  private:
+  /// NaN for what is no finite number, with a warning that says what is `taken`.
   template <typename Number>
-  std::vector<Number> list(const X3dNode& node, std::string_view name, size_t width) const;
+  std::vector<Number> list(const X3dNode& node, std::string_view name, size_t width,
+                           std::string_view taken) const;
+  template <typename Number>
+  std::vector<Number> finite_list(const X3dNode& node, std::string_view name, size_t width) const;
   /// The field, whose text is now read once more.
   const X3dField* read_field(const X3dNode& node, std::string_view name) const;
+  /// Empty where the field is not there, or left out.
   std::vector<double> exactly(const X3dNode& node, std::string_view name, size_t count) const;
   Color clamped(const Color& color, const X3dNode& node, std::string_view name) const;
   /// Of a field that is there.

@@ -115,7 +115,8 @@ class X3dXmlReader {
           tree_.use(use.value(), type == "ProtoInstance" ? std::string_view() : type, offset(use));
     else
       node = type == "ProtoInstance" ? instance(xml, depth + 1) : element(xml, depth + 1);
-    tree_.add_child(parent, container(parent, *node, xml.attribute("containerField")), node);
+    if (node)
+      tree_.add_child(parent, container(parent, *node, xml.attribute("containerField")), node);
   }
 
   /// The field that holds the node: that of its type where none is named, or one that the parent

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace tessera {
 namespace {
@@ -10,7 +12,7 @@ namespace {
 class FaceReader {
  public:
   FaceReader(const X3dNode& node, const X3dValues& values) : node_(node), values_(values) {
-    if (const X3dNode* coord = node.child("coord")) out_.points = values.floats(*coord, "point", 3);
+    if (const X3dNode* coord = node.child("coord")) out_.points = values.points(*coord);
     coordinates_ = out_.points.size() / 3;
   }
 
@@ -44,6 +46,8 @@ class FaceReader {
     if (dropped_)
       values_.warn(first_dropped_, "faces with fewer than 3 different points are left out",
                    dropped_);
+    for (float& coordinate : out_.points)
+      if (!std::isfinite(coordinate)) coordinate = 0;  // of no face
     return std::move(out_);
   }
 
@@ -76,11 +80,14 @@ class FaceReader {
     const auto counts = values_.integers(node_, name);
     size_t begin = 0;
     for (size_t i = 0; i < counts.values.size(); ++i) {
-      const int32_t count = counts.values[i];
-      if (count < 3 || static_cast<size_t>(count) > coordinates_ - begin)
-        throw values_.document().error(
-            counts.offsets[i], fmt::format("{} {} of {}", name, count, describe(node_)),
-            fmt::format("3 to {}, the points that are left", coordinates_ - begin));
+      const size_t left = coordinates_ - begin,
+                   given = static_cast<size_t>(std::max(counts.values[i], 0));
+      if (given < 3 || given > left)
+        values_.repair(counts.offsets[i],
+                       fmt::format("{} {} of {}, which has {} points left", name, counts.values[i],
+                                   describe(node_), left),
+                       "3 or more, and no more than are left", "the points there are taken");
+      const size_t count = std::min(given, left);
       action(begin, begin + count);
       begin += count;
     }
@@ -107,7 +114,11 @@ class FaceReader {
   void face(const std::vector<size_t>& slots) {
     const uint32_t number = next_number_++;
     std::vector<uint32_t> points;
-    for (const size_t slot : slots) points.push_back(coordinate(slot, number));
+    for (const size_t slot : slots) {
+      const auto point = coordinate(slot, number);
+      if (!point) return;
+      points.push_back(*point);
+    }
     std::vector<uint32_t> different = points;
     std::sort(different.begin(), different.end());
     different.erase(std::unique(different.begin(), different.end()), different.end());
@@ -120,15 +131,19 @@ class FaceReader {
     out_.numbers.back() = number;
   }
 
-  uint32_t coordinate(size_t slot, uint32_t number) const {
+  /// Nothing where there is no point.
+  std::optional<uint32_t> coordinate(size_t slot, uint32_t number) const {
     const int32_t index = index_.values[slot];
-    if (index >= 0 && static_cast<size_t>(index) < coordinates_)
-      return static_cast<uint32_t>(index);
-    throw values_.document().error(
-        index_.offsets[slot],
-        fmt::format("{} {} in face {} of {}", field_, index, number, describe(node_)),
-        coordinates_ == 0 ? std::string("points in a Coordinate node")
-                          : fmt::format("0 to {}", coordinates_ - 1));
+    if (index < 0 || static_cast<size_t>(index) >= coordinates_) {
+      values_.repair(index_.offsets[slot],
+                     fmt::format("{} {} in face {} of {}, which has {} points", field_, index,
+                                 number, describe(node_), coordinates_),
+                     "an index of a point", "the face is left out");
+      return std::nullopt;
+    }
+    const float* const p = &out_.points[3 * static_cast<size_t>(index)];
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) return std::nullopt;
+    return static_cast<uint32_t>(index);
   }
 
   const X3dNode& node_;

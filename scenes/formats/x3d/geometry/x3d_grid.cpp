@@ -10,8 +10,8 @@ namespace {
 size_t dimension(const X3dNode& node, const X3dValues& values, const char* name) {
   const int64_t count = values.integer(node, name, 0);
   if (count >= 0) return static_cast<size_t>(count);
-  throw values.document().error(node.field(name)->offset, fmt::format("{} {}", name, count),
-                                "0 or more");
+  values.repair(node, name, fmt::format("{} {}", name, count), "0 or more", "0 is taken");
+  return 0;
 }
 
 }  // namespace
@@ -19,17 +19,24 @@ size_t dimension(const X3dNode& node, const X3dValues& values, const char* name)
 X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values) {
   X3dFaces out;
   const size_t columns = dimension(node, values, "xDimension");
-  const size_t rows = dimension(node, values, "zDimension");
+  size_t rows = dimension(node, values, "zDimension");
   const double dx = values.number(node, "xSpacing", 1), dz = values.number(node, "zSpacing", 1);
   const std::vector<float> heights = values.floats(node, "height", 1);
   if (columns < 2 || rows < 2) return out;
   // No product of two 32-bit numbers is too large for 64 bits.
-  if (columns * rows > std::min(heights.size(), kMaxX3dPoints))
-    throw values.document().error(
+  if (columns * rows > heights.size()) {
+    values.repair(
         node.offset,
         fmt::format("{} heights of {}, {} x {}", heights.size(), describe(node), columns, rows),
-        fmt::format("xDimension times zDimension, at most {}", kMaxX3dPoints));
-  if (columns * rows < heights.size())
+        "xDimension times zDimension", "the rows that are whole are taken");
+    rows = heights.size() / columns;
+    if (rows < 2) return out;
+  }
+  if (columns * rows > kMaxX3dPoints)
+    throw values.document().error(node.offset,
+                                  fmt::format("{} heights of {}", columns * rows, describe(node)),
+                                  fmt::format("at most {}", kMaxX3dPoints));
+  if (columns * rows < heights.size() && heights.size() - columns * rows >= columns)
     values.warn(node.field("height")->offset,
                 "heights of an ElevationGrid beyond its dimensions are left out");
   for (size_t row = 0; row < rows; ++row) {

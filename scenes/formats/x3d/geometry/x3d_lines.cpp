@@ -16,8 +16,7 @@ class LineBuilder {
       : node_(node), values_(values), pen_(pen) {
     const double extent = pen.camera_from_node.determinant();
     if (extent != 0 && std::isfinite(extent)) node_from_camera_ = inverse(pen.camera_from_node);
-    if (const X3dNode* coord = node.child("coord"))
-      coordinates_ = values.floats(*coord, "point", 3);
+    if (const X3dNode* coord = node.child("coord")) coordinates_ = values.points(*coord);
   }
 
   X3dFaces make() {
@@ -39,34 +38,35 @@ class LineBuilder {
     const auto counts = values_.integers(node_, "vertexCount");
     size_t begin = 0;
     for (size_t k = 0; k < counts.values.size(); ++k) {
-      const int32_t count = counts.values[k];
-      const size_t left = coordinates_.size() / 3 - begin;
-      if (count < 2 || static_cast<size_t>(count) > left)
-        throw values_.document().error(counts.offsets[k],
-                                       fmt::format("vertexCount {} of {}", count, describe(node_)),
-                                       fmt::format("2 to {}, the points that are left", left));
-      for (size_t i = begin; i + 1 < begin + static_cast<size_t>(count); ++i)
-        add_line(i, i + 1, i, i + 1, k);
-      begin += static_cast<size_t>(count);
+      const size_t left = coordinates_.size() / 3 - begin,
+                   given = static_cast<size_t>(std::max(counts.values[k], 0));
+      if (given < 2 || given > left)
+        values_.repair(counts.offsets[k],
+                       fmt::format("vertexCount {} of {}, which has {} points left",
+                                   counts.values[k], describe(node_), left),
+                       "2 or more, and no more than are left", "the points there are taken");
+      const size_t count = std::min(given, left);
+      for (size_t i = begin; i + 1 < begin + count; ++i) add_line(i, i + 1, i, i + 1, k);
+      begin += count;
     }
   }
 
   void add_indexed() {
     const auto index = values_.integers(node_, "coordIndex");
     const size_t most = coordinates_.size() / 3;
+    const auto is_point = [&](int32_t i) { return i >= 0 && static_cast<size_t>(i) < most; };
     size_t line = 0;
     for (size_t at = 0; at < index.values.size(); ++at) {
       if (index.values[at] == -1) {
         ++line;
         continue;
       }
-      if (index.values[at] < 0 || static_cast<size_t>(index.values[at]) >= most)
-        throw values_.document().error(
-            index.offsets[at],
-            fmt::format("coordIndex {} of {}", index.values[at], describe(node_)),
-            most == 0 ? std::string("points in a Coordinate node")
-                      : fmt::format("0 to {}", most - 1));
-      if (at > 0 && index.values[at - 1] != -1)
+      if (!is_point(index.values[at]))
+        values_.repair(index.offsets[at],
+                       fmt::format("coordIndex {} of {}, which has {} points", index.values[at],
+                                   describe(node_), most),
+                       "an index of a point", "the lines there are left out");
+      else if (at > 0 && is_point(index.values[at - 1]))
         add_line(static_cast<size_t>(index.values[at - 1]), static_cast<size_t>(index.values[at]),
                  at - 1, at, line);
     }
@@ -109,6 +109,7 @@ class LineBuilder {
   /// What is as wide as it is deep in view is so between its ends too, but not through the camera.
   void add_line(size_t from, size_t to, size_t from_slot, size_t to_slot, size_t number) {
     const End a{coordinate(from), from, from_slot}, b{coordinate(to), to, to_slot};
+    if (!is_finite(a.at) || !is_finite(b.at)) return;
     const double depth_a = pen_.depth(a.at), depth_b = pen_.depth(b.at);
     if (pen_.width_per_depth == 0 || depth_a * depth_b >= 0) return add_prism(a, b, number);
     const Vec3 beside = a.at + (b.at - a.at) * (depth_a / (depth_a - depth_b));
@@ -160,6 +161,7 @@ class LineBuilder {
   /// An octahedron.
   void add_point(size_t i) {
     const Vec3 p = coordinate(i);
+    if (!is_finite(p)) return;
     const double radius = pen_.radius(p);
     std::array<Vec3, 6> steps;  // -x +x -y +y -z +z
     for (size_t k = 0; k < 6; ++k) {

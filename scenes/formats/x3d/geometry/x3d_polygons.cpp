@@ -97,38 +97,48 @@ class MeshBuilder {
   }
 
   /// Gives each corner its index into `count` values, by the index field called `name` where the
-  /// node has one, else by coordinate or face.
-  void assign(uint32_t MeshCorner::*member, std::string_view name, bool per_vertex, size_t count) {
+  /// node has one, else by coordinate or face. False where there is no value at all.
+  bool assign(uint32_t MeshCorner::*member, std::string_view name, bool per_vertex, size_t count) {
     const auto index = values_.integers(node_, name);
     const X3dField* field = node_.field(name);
     const Polygons& polygons = faces_.polygons;
+    const char* const kExpected = per_vertex ? "a value for each corner" : "a value for each face";
+    if (count == 0 && polygons.size() > 0) {
+      values_.repair(node_.offset, fmt::format("no values for {} of {}", name, describe(node_)),
+                     kExpected, "it is left out");
+      return false;
+    }
     for (size_t f = 0; f < polygons.size(); ++f) {
       for (size_t c = polygons.starts[f]; c < polygons.starts[f + 1]; ++c) {
         const bool indexed = !index.values.empty() && !faces_.corner_slots.empty();
-        const size_t slot = !indexed ? 0 : per_vertex ? faces_.corner_slots[c] : faces_.numbers[f];
-        if (indexed && slot >= index.values.size())
-          throw values_.document().error(
+        size_t slot = !indexed ? 0 : per_vertex ? faces_.corner_slots[c] : faces_.numbers[f];
+        if (indexed && slot >= index.values.size()) {
+          values_.repair(
               field->offset,
               fmt::format("{} of {} ends before face {}", name, describe(node_), faces_.numbers[f]),
-              per_vertex ? "an entry for each of coordIndex" : "an entry for each face");
-        const int64_t value = indexed      ? index.values[slot]
-                              : per_vertex ? coordinate(c)
-                                           : faces_.numbers[f];
-        if (value < 0 || value >= static_cast<int64_t>(count))
-          throw values_.document().error(
-              indexed ? index.offsets[slot] : node_.offset,
-              fmt::format("{} {} in face {} of {}", name, value, faces_.numbers[f],
-                          describe(node_)),
-              count == 0 ? std::string("values to refer to") : fmt::format("0 to {}", count - 1));
+              kExpected, "its last one is taken");
+          slot = index.values.size() - 1;
+        }
+        int64_t value = indexed      ? index.values[slot]
+                        : per_vertex ? coordinate(c)
+                                     : faces_.numbers[f];
+        if (value < 0 || value >= static_cast<int64_t>(count)) {
+          values_.repair(indexed ? index.offsets[slot] : node_.offset,
+                         fmt::format("{} {} in face {} of {}, of {} values", name, value,
+                                     faces_.numbers[f], describe(node_), count),
+                         "an index of a value", "the nearest one is taken");
+          value = std::clamp<int64_t>(value, 0, static_cast<int64_t>(count) - 1);
+        }
         corners_[c].*member = static_cast<uint32_t>(value);
       }
     }
+    return true;
   }
 
   void read_colors() {
     const X3dNode* node = node_.child("color");
     if (!node || (node->type != "Color" && node->type != "ColorRGBA")) return;
-    const bool alpha = has_color_alpha_ = node->type == "ColorRGBA";
+    const bool alpha = node->type == "ColorRGBA";
     const std::vector<float> values = values_.floats(*node, "color", alpha ? 4 : 3);
     const size_t width = alpha ? 4 : 3;
     for (size_t i = 0; i < values.size(); i += width) {
@@ -142,7 +152,8 @@ class MeshBuilder {
       colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);
     }
     const bool per_vertex = values_.boolean(node_, "colorPerVertex", true);
-    assign(&MeshCorner::color, "colorIndex", per_vertex, colors_.size() / 4);
+    has_color_alpha_ =
+        assign(&MeshCorner::color, "colorIndex", per_vertex, colors_.size() / 4) && alpha;
   }
 
   void read_normals() {
@@ -150,9 +161,8 @@ class MeshBuilder {
     const X3dNode* node = node_.child("normal");
     if (node && node->type == "Normal") {
       normals_ = values_.floats(*node, "vector", 3);
-      assign(&MeshCorner::normal, "normalIndex", per_vertex, normals_.size() / 3);
       normalize_all();
-      return;
+      if (assign(&MeshCorner::normal, "normalIndex", per_vertex, normals_.size() / 3)) return;
     }
     if (is_x3d_lines(node_.type)) return;
     if (node_.type == "Text") return;
@@ -168,9 +178,10 @@ class MeshBuilder {
     if (angle == 0 || corners_.empty()) return;
     GeneratedNormals made = crease_normals(welded(), areas_, points_.size() / 3, angle);
     if (made.corner_normal.empty())
-      throw values_.document().error(
+      return values_.repair(
           node_.offset, fmt::format("too many faces at a point of {}", describe(node_)),
-          fmt::format("at most {} where creaseAngle is between 0 and pi", kMaxCreaseFaces));
+          fmt::format("at most {} where creaseAngle is between 0 and pi", kMaxCreaseFaces),
+          "its faces are flat");
     normals_ = std::move(made.normals);
     for (size_t c = 0; c < corners_.size(); ++c) corners_[c].normal = made.corner_normal[c];
   }
@@ -199,8 +210,9 @@ class MeshBuilder {
     if (corners_.empty()) return;
     if (node && node->type == "TextureCoordinate") {
       uvs_ = values_.floats(*node, "point", 2);
-      assign(&MeshCorner::uv, "texCoordIndex", true, uvs_.size() / 2);
-    } else if (options_.textured && faces_.corner_uvs.empty()) {
+      if (assign(&MeshCorner::uv, "texCoordIndex", true, uvs_.size() / 2)) return;
+    }
+    if (options_.textured && faces_.corner_uvs.empty()) {
       make_box_uvs();
     } else if (options_.textured) {
       uvs_ = std::move(faces_.uvs);
@@ -238,12 +250,13 @@ class MeshBuilder {
       triples.clear();
       const auto points = face_points(f);
       // Files that call their concave faces convex are common, so every face is looked at.
-      if (!triangulate(points, triples))
-        throw values_.document().error(
-            node_.offset,
-            fmt::format("face {} of {} is concave with {} corners", faces_.numbers[f],
-                        describe(node_), points.size()),
-            fmt::format("at most {}", kMaxConcaveCorners));
+      if (!triangulate(points, triples)) {
+        values_.repair(node_.offset,
+                       fmt::format("face {} of {} is concave with {} corners", faces_.numbers[f],
+                                   describe(node_), points.size()),
+                       fmt::format("at most {}", kMaxConcaveCorners), "it is left out");
+        continue;
+      }
       const size_t first = faces_.polygons.starts[f];
       for (const CornerTriple& t : triples) {
         const MeshCorner &a = corners_[first + t[0]], &b = corners_[first + t[1]],

@@ -38,7 +38,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
 TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
   write("good.obj", kTriangle);
   write("bad.obj", "v 0 0 0\nf 1 2 3\n");
-  write("radius.x3d", "<X3D><Scene><Shape><Sphere radius='x'/></Shape></Scene></X3D>");
+  write("broken.x3d", "<X3D><Scene><Shape>");
   const auto inline_of = [&](const std::string& includes) {
     write("outer.tessera", "includes { file: 'good.obj' }\nincludes { file: 'inner.tessera' }");
     write("inner.tessera", includes);
@@ -50,7 +50,7 @@ TEST_F(ReadScene, LeavesOutInlinesThatIncludeWhatCannotBeRead) {
        {std::pair<std::string, std::string>{"none.obj", "none.obj: no such file"},
         {"bad.obj", "bad.obj:2:"},
         {"../out.obj", "inner.tessera: includes '../out.obj', which is not inside the scene's"},
-        {"radius.x3d", "radius.x3d:1:"}}) {
+        {"broken.x3d", "broken.x3d:1:"}}) {
     const LoadedScene loaded = inline_of("includes { file: '" + file + "' }");
     EXPECT_EQ(loaded.scene.objects_size(), 2) << "good.obj and what the Inlines refer to";
     EXPECT_EQ(loaded.scene.nodes(0).instance_of(), loaded.scene.nodes(2).instance_of());
@@ -181,6 +181,48 @@ TEST_F(ReadScene, FindsMaterialLibrariesByName) {
                                     "'a.mtl' is taken for it"),
             std::string::npos)
       << loaded.warnings[0];
+}
+
+TEST_F(ReadScene, FindsPartsOfScenesByTheLastPartsOfAPathThatLeadsNowhere) {
+  write("chair.obj", kTriangle);
+  write("parts/chair.x3d", "<X3D><Scene><Shape><Sphere/></Shape></Scene></X3D>");
+  write("a.bin", std::string("\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\0"
+                             "\0\0\0\0\0\0\x80\x3f\0\0\0\0",
+                             36));
+  struct Case {
+    std::string name, text, warning;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"a.tessera", "includes { file: 'C:\\\\ann\\\\chair.obj' }",
+            "the included file 'C:\\ann\\chair.obj' is not there; 'chair.obj' is taken for it"},
+           {"a.crt",
+            "cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 60 }\n"
+            "Settings { camera -> cam }\nScene { Mesh { file -> \"/home/ann/chair.obj\" } }\n",
+            "the included file 'home/ann/chair.obj' is not there; 'chair.obj' is taken for it"},
+           {"a.x3d", "<X3D><Scene><Inline url='\"/home/ann/parts/chair.x3d\"'/></Scene></X3D>",
+            "the Inline '/home/ann/parts/chair.x3d' is not there; 'parts/chair.x3d' is taken for"},
+           {"a.gltf",
+            R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
+            R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"count":3,)"
+            R"("componentType":5126,"type":"VEC3"}],"bufferViews":[{"buffer":0,)"
+            R"("byteLength":36}],"buffers":[{"byteLength":36,"uri":"../out/a.bin"}]})",
+            "buffer '../out/a.bin' is not there; 'a.bin' is taken for it"}}) {
+    const LoadedScene loaded = read_scene(write(c.name, c.text));
+    EXPECT_GT(loaded.scene.nodes_size(), 0) << c.name;
+    ASSERT_EQ(loaded.warnings.size(), 1u) << ::testing::PrintToString(loaded.warnings);
+    EXPECT_NE(loaded.warnings[0].find(c.warning), std::string::npos) << loaded.warnings[0];
+  }
+  // Of several addresses one that is right comes first, and no file is taken for a part of itself.
+  EXPECT_EQ(read_scene(write("b.x3d",
+                             "<X3D><Scene><Inline url='\"/x/chair.obj\" "
+                             "\"parts/chair.x3d\"'/></Scene></X3D>"))
+                .warnings.size(),
+            0u);
+  const LoadedScene self =
+      read_scene(write("c.x3d", "<X3D><Scene><Inline url='\"/x/c.x3d\"'/></Scene></X3D>"));
+  ASSERT_EQ(self.warnings.size(), 1u);
+  EXPECT_NE(self.warnings[0].find("Inline of '/x/c.x3d' is left out"), std::string::npos)
+      << self.warnings[0];
 }
 
 /// Whatever names the file, the message names the folder that it has to be in.

@@ -16,10 +16,12 @@ TEST(Gltf, HoldsCountsAgainstTheBytesThatAreThere) {
     return Binary().put(kSquare).glb(kNode + mesh(R"({"attributes":{"POSITION":0}})") +
                                      R"(,"accessors":[)" + accessors + "]");
   };
-  EXPECT_EQ(error(file(accessor(0, 5126, 5, "VEC3"))),
-            "t.gltf: accessors/0: 5 rows; expected at most 4, which its buffer view holds");
-  EXPECT_EQ(error(file(accessor(0, 5126, 4, "VEC3", R"(,"byteOffset":4)"))),
-            "t.gltf: accessors/0: 4 rows; expected at most 3, which its buffer view holds");
+  EXPECT_EQ(
+      error(file(accessor(0, 5126, 5, "VEC3"))),
+      "t.gltf: accessors/0: 5 rows, of which its buffer view holds 4; expected rows that it holds");
+  EXPECT_EQ(
+      error(file(accessor(0, 5126, 4, "VEC3", R"(,"byteOffset":4)"))),
+      "t.gltf: accessors/0: 4 rows, of which its buffer view holds 3; expected rows that it holds");
   EXPECT_EQ(error(file(R"({"componentType":5126,"type":"VEC3","count":1000000000000})")),
             "t.gltf: accessors/0/count: 1000000000000 zeros; expected at most 16777216");
   EXPECT_EQ(error(file(accessor(0, 5126, 4, "MAT4"))),
@@ -119,6 +121,132 @@ TEST(Gltf, OddNodesDoNotCostTheFile) {
   EXPECT_EQ(warnings(with_node(R"("mesh":-1)")),
             std::vector<std::string>{
                 "t.gltf:1:69: nodes/1/mesh: -1; expected a mesh, or no value; it is left out"});
+}
+
+/// One mesh of a square whose vertices have all attributes, and what `part`, which is in the text,
+/// becomes where `other` is written for it.
+LoadedScene square(const std::string& part, const std::string& other) {
+  std::string members =
+      R"("nodes":[{"mesh":0,"children":[1]},{"camera":0}],"scenes":[{"nodes":[0]}],"scene":0,)"
+      R"("cameras":[{"type":"perspective","perspective":{"yfov":1}}],"skins":[],)"
+      R"("animations":[{"name":"turn"}],"materials":[{"pbrMetallicRoughness":)"
+      R"({"baseColorTexture":{"index":0,"texCoord":0}}}],"textures":[{"source":0,"sampler":0}],)"
+      R"("samplers":[{"wrapS":10497}],"images":[{"bufferView":5}],)" +
+      mesh(R"({"attributes":{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2,"COLOR_0":3},"indices":4,)"
+           R"("material":0,"mode":4})") +
+      R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," + accessor(1, 5126, 4, "VEC3") +
+      "," + accessor(2, 5126, 4, "VEC2") + "," + accessor(3, 5126, 4, "VEC4") + "," +
+      accessor(4, 5121, 6, "SCALAR") + "]";
+  const size_t at = members.find(part);
+  EXPECT_NE(at, std::string::npos) << part;
+  members.replace(at, part.size(), other);
+  return read(Binary()
+                  .put(kSquare)
+                  .put(Floats{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})
+                  .put(Floats(8, .5f))
+                  .put(Floats(16, .25f))
+                  .put(std::vector<uint8_t>{0, 1, 2, 0, 2, 3})
+                  .put(Floats{1, 2, 3})
+                  .glb(members));
+}
+
+struct OddPart {
+  const char *part, *other, *warning;
+};
+
+TEST(Gltf, OneOddAttributeCostsThatAttribute) {
+  const std::vector<OddPart> cases{
+      {R"("NORMAL":1)", R"("NORMAL":9)", "NORMAL: accessor 9; expected 0 to 4; it is left out"},
+      {R"("NORMAL":1)", R"("NORMAL":"x")", "NORMAL: a value of type string; expected a whole"},
+      {R"("NORMAL":1)", R"("NORMAL":2)", "NORMAL: rows of 2; expected 3 numbers a row; it is left"},
+      {R"("NORMAL":1)", R"("NORMAL":4)", "accessors/4: 6 rows; expected one a vertex; it is left"},
+      {R"("bufferView":1,"componentType":5126)", R"("bufferView":1,"componentType":99)",
+       "accessors/1/componentType: 99; expected 5120 to 5123, 5125 or 5126; it is left out"},
+      {R"("bufferView":1,)", R"("bufferView":9,)", "expected 0 to 5"},
+      {R"("bufferView":1,)", R"("bufferView":2,)", "which its buffer view holds 2; expected rows"},
+      {R"("TEXCOORD_0":2)", R"("TEXCOORD_0":-3)", "TEXCOORD_0: -3; expected a whole number"},
+      {R"("COLOR_0":3)", R"("COLOR_0":2)", "COLOR_0: rows of 2; expected 4 numbers a row"},
+  };
+  for (const OddPart& c : cases) {
+    const LoadedScene loaded = square(c.part, c.other);
+    const Mesh m = first_mesh(loaded);
+    EXPECT_EQ(m.triangles, (Indices{0, 1, 2, 0, 2, 3})) << c.other;
+    EXPECT_EQ(m.normals.empty() + m.uvs.empty() + m.colors.empty(), 1) << c.other;
+    EXPECT_GE(loaded.repairs.size(), 1u);
+    EXPECT_NE(testing::PrintToString(loaded.warnings).find(c.warning), std::string::npos)
+        << testing::PrintToString(loaded.warnings);
+  }
+}
+
+TEST(Gltf, OneOddReferenceCostsWhatItRefersTo) {
+  const std::vector<OddPart> cases{
+      {R"("children":[1])", R"("children":[7])", "node 7; expected 0 to 1; it is left out"},
+      {R"("children":[1])", R"("children":[1,1])", "two parents, or below itself; expected a tree"},
+      {R"("children":[1])", R"("children":[0,1])", "below itself; expected a tree; it is shown"},
+      {R"("children":[1])", R"("children":1)", "children: a value of type number; expected an ar"},
+      {R"({"camera":0})", R"({"camera":3})", "nodes/1/camera: camera 3; expected 0 to 0; it is"},
+      {R"({"camera":0})", R"({"camera":0,"mesh":3})", "nodes/1/mesh: mesh 3; expected 0 to 0; it"},
+      {R"({"camera":0})", R"({"camera":0,"skin":3,"extras":[]})", "animations are not read"},
+      {R"({"camera":0})", "7", "nodes/1: a value of type number; expected an object; it is left"},
+      {R"("scene":0)", R"("scene":4)", "scene: scene 4; expected 0 to 0; it is left out"},
+      {R"("material":0)", R"("material":4)", "material: material 4; expected 0 to 0; it is left"},
+      {R"("mode":4)", R"("mode":-1)", "mode: -1; expected a whole number; it is left out"},
+      {R"("index":0)", R"("index":4)", "index: texture 4; expected 0 to 0; it is left out"},
+      {R"("texCoord":0)", R"("texCoord":1)", "no TEXCOORD_1; expected the texture coordinates"},
+      {R"("texCoord":0)", R"("texCoord":-1)", "texCoord: -1; expected a whole number; it is left"},
+      {R"("wrapS":10497)", R"("wrapS":3)", "expected 33071 (clamp), 33648 (mirror) or 10497"},
+      {R"("wrapS":10497)", R"("wrapS":"x")", "wrapS: a value of type string; expected a whole"},
+      {R"("sampler":0)", R"("sampler":3)", "sampler: sampler 3; expected 0 to 0; it is left out"},
+      {R"("source":0)", R"("source":3)", "source: image 3; expected 0 to 0; it is left out"},
+      {R"([{"bufferView":5}])", R"([{"bufferView":9}])",
+       "buffer view 9; expected 0 to 5; the pict"},
+      {R"("skins":[])", R"("skins":{"a":1})", "skins: a value of type object; expected an array"},
+      {R"([{"name":"turn"}])", R"([5,{"channels":[{"sampler":9}]}])", "animations/0: a value of"},
+  };
+  for (const OddPart& c : cases) {
+    const LoadedScene loaded = square(c.part, c.other);
+    const Mesh m = first_mesh(loaded);
+    EXPECT_EQ(m.triangles, (Indices{0, 1, 2, 0, 2, 3})) << c.other;
+    EXPECT_FALSE(m.normals.empty() || m.uvs.empty() || m.colors.empty()) << c.other;
+    EXPECT_NE(testing::PrintToString(loaded.warnings).find(c.warning), std::string::npos)
+        << testing::PrintToString(loaded.warnings);
+  }
+}
+
+TEST(Gltf, OneOddIndexCostsItsTriangles) {
+  const auto file = [](const std::vector<uint8_t>& indices, const std::string& more) {
+    return Binary().put(kSquare).put(indices).glb(
+        kNode + mesh(R"({"attributes":{"POSITION":0},"indices":1})" + more) + R"(,"accessors":[)" +
+        accessor(0, 5126, 4, "VEC3") + "," + accessor(1, 5121, 6, "SCALAR") + "]");
+  };
+  const LoadedScene loaded = read(file({0, 1, 9, 0, 2, 3}, ""));
+  EXPECT_EQ(first_mesh(loaded).triangles, (Indices{0, 2, 3}));
+  EXPECT_EQ(loaded.warnings,
+            std::vector<std::string>{
+                "t.glb: meshes/0/primitives/0/indices: index 9 of 4 vertices; expected indices of "
+                "vertices; the triangles there are left out"});
+  for (const char* more : {R"(,{"attributes":{"POSITION":7}})", R"(,{"attributes":{"POSITION":1}})",
+                           R"(,{"attributes":{"POSITION":0},"indices":0})", ",3",
+                           R"(,{"attributes":{"POSITION":0},"indices":7})"}) {
+    const LoadedScene beside = read(file({0, 1, 2, 0, 2, 3}, more));
+    EXPECT_EQ(first_mesh(beside).triangles, (Indices{0, 1, 2, 0, 2, 3})) << more;
+    EXPECT_GE(beside.repairs.size(), 1u) << more;
+  }
+  EXPECT_EQ(error(file({0, 1, 9, 9, 2, 3}, "")),
+            "t.gltf: meshes/0/primitives/0/indices: index 9 of 4 vertices; expected indices of "
+            "vertices");
+}
+
+TEST(Gltf, WhatIsThereOfAContainerThatIsCutShortIsRead) {
+  const std::string whole = Binary().put(kSquare).put(kSquare).glb(
+      kNode + mesh(R"({"attributes":{"POSITION":0}},{"attributes":{"POSITION":1}})") +
+      R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," + accessor(1, 5126, 4, "VEC3") +
+      "]");
+  const LoadedScene loaded = read(whole.substr(0, whole.size() - 4));
+  EXPECT_EQ(loaded.scene.nodes_size(), 1);
+  EXPECT_NE(testing::PrintToString(loaded.warnings).find("the primitive is left out"),
+            std::string::npos);
+  EXPECT_GE(loaded.repairs.size(), 3u) << testing::PrintToString(loaded.warnings);
 }
 
 TEST(Gltf, OddLightsAndCamerasDoNotCostTheFile) {

@@ -171,18 +171,6 @@ TEST(Gltf, PlacesNodesAndSharesMeshes) {
   EXPECT_EQ(loaded.unused, std::vector<std::string>{"node 3"});
 }
 
-TEST(Gltf, RefusesGraphsThatAreNoTrees) {
-  const auto file = [](const std::string& nodes) {
-    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + nodes + "]}";
-  };
-  EXPECT_EQ(error(file(R"({"children":[1]},{"children":[0]})")),
-            "t.gltf:1:62: nodes/0: a node with two parents, or below itself; expected a tree");
-  EXPECT_EQ(error(file(R"({"children":[1,1]},{})")).substr(0, 30),
-            "t.gltf:1:81: nodes/1: a node w");
-  EXPECT_EQ(error(file(R"({"children":[7]})")),
-            "t.gltf:1:75: nodes/0/children/0: node 7; expected 0 to 0");
-}
-
 TEST(Gltf, ConvertsLightsAndCameras) {
   const LoadedScene loaded =
       read(R"({"asset":{"version":"2.0"},"nodes":[)"

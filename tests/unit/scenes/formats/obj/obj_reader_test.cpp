@@ -170,6 +170,54 @@ TEST(Obj, OneOddValueDoesNotCostTheFile) {
           "taken"}));
 }
 
+TEST(Obj, OnePartThatCannotBeReadDoesNotCostTheFile) {
+  struct Case {
+    const char *part, *warning;
+  };
+  const std::vector<Case> cases{
+      {"f 1 2 9\n",
+       "8:7: a vertex in '9', of 3 so far; expected a vertex before it; the face is left "
+       "out"},
+      {"f 1 2 0\n",
+       "8:7: vertex 0 in '0'; expected a count from 1, or a negative one from the end; the face is "
+       "left out"},
+      {"f 1 2 -4\n",
+       "8:7: a vertex in '-4', of 3 so far; expected a vertex before it; the face is left "
+       "out"},
+      {"f 1 2 x\n", "8:7: 'x'; expected a vertex index; the face is left out"},
+      {"f 1 2 3/1/1/1\n", "8:7: '3/1/1/1'; expected v, v/t, v//n or v/t/n; the face is left out"},
+      {"f 1 2 9\nf 9 2 3\nf 1 2 8\n",
+       "8:7: a vertex in '9', of 3 so far; expected a vertex before it; the face is left "
+       "out (3 times)"},
+      {"v 1 x 0\nf 1 2 4\n", "8:5: 'x'; expected a coordinate; the faces there are left out"},
+      {"v 1 2\nf 1 2 4\n",
+       "8:6: the line ends here; expected a coordinate; the faces there are left out"},
+      {"v 1 2 3 x\n", "8:9: 'x'; expected a number; 1 is taken"},
+      {"vt x\n", "8:4: 'x'; expected a texture coordinate; 0 is taken"},
+      {"vn 1 0\n", "8:7: the line ends here; expected a component of the normal; 0 is taken"},
+      {"usemtl\n", "8:7: usemtl without a name; expected a material's name; grey is taken"},
+      {"\x1a\n", "8:1: binary data; expected the text of an OBJ file; the line is left out"},
+  };
+  for (const Case& c : cases) {
+    const Mesh mesh = read(kSquareUvNormal + std::string(c.part) + "f 1/1/1 2/2/1 3/3/1\n");
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2})) << c.part;
+    EXPECT_EQ(mesh.uvs, (Floats{0, 0, 1, 0, 1, 1})) << c.part;
+    EXPECT_EQ(mesh.warnings, std::vector<std::string>{std::string("t.obj:") + c.warning});
+  }
+}
+
+TEST(Obj, AFaceMayLackWhatItRefersTo) {
+  const Mesh mesh = read(std::string(kSquare) + "f 1/1/1 2/2/1 3/3/1\n");
+  EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(mesh.uvs, Floats{});
+  EXPECT_EQ(mesh.warnings,
+            (std::vector<std::string>{
+                "t.obj:5:3: a texture coordinate in '1/1/1', of 0 so far; expected a texture "
+                "coordinate before it; the face is without it (3 times)",
+                "t.obj:5:3: a normal in '1/1/1', of 0 so far; expected a normal before it; the "
+                "face is without it (3 times)"}));
+}
+
 TEST(Obj, OddValuesAreListedForAStrictReading) {
   const LoadedScene loaded =
       parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2\nf 1 2 3\n", "t.obj");
@@ -206,17 +254,16 @@ TEST(Obj, CountsWhatItLeavesOut) {
 TEST(Obj, SaysWhereAndWhatIsWrong) {
   const std::string v = kSquare;
   EXPECT_EQ(error(v + "f 1 2 5\n"),
-            "t.obj:5:7: vertex 5 in '5'; expected at most 4, the number so far");
+            "t.obj:5:7: a vertex in '5', of 4 so far; expected a vertex before it");
   EXPECT_EQ(error(v + "f 1 2 0\n"),
             "t.obj:5:7: vertex 0 in '0'; expected a count from 1, or a negative one from the end");
   EXPECT_EQ(error(v + "f 1 2 -5\n"),
-            "t.obj:5:7: vertex -5 in '-5'; expected at most 4, the number so far");
-  EXPECT_EQ(error(v + "f 1/1 2 3\n"),
-            "t.obj:5:3: texture coordinate 1 in '1/1'; expected a texture coordinate before it");
+            "t.obj:5:7: a vertex in '-5', of 4 so far; expected a vertex before it");
   EXPECT_EQ(error(v + "f 1 2 x\n"), "t.obj:5:7: 'x'; expected a vertex index");
   EXPECT_EQ(error(v + "f 1 2 3/4/5/6\n").substr(0, 10), "t.obj:5:7:");
   EXPECT_EQ(error(v + "f 1 2 99999999999999999999\n"),
-            "t.obj:5:7: a vertex in '99999999999999999999'; expected at most 4, the number so far");
+            "t.obj:5:7: a vertex in '99999999999999999999', of 4 so far; expected a vertex "
+            "before it");
   EXPECT_EQ(error("v 0 0 0\r\nv 1 0\r\n"), "t.obj:2:6: the line ends here; expected a coordinate");
   EXPECT_EQ(error("v 0 \\\n 0 zero\n"), "t.obj:2:4: 'zero'; expected a coordinate");
   EXPECT_EQ(error("v 0 0 nan\n"), "t.obj:1:7: 'nan'; expected a coordinate that is finite");

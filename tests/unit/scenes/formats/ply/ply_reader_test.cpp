@@ -137,8 +137,11 @@ TEST(Ply, ReadsFacesThatComeBeforeTheVertices) {
            data.text)
           .triangles,
       (Indices{0, 1, 2}));
-  EXPECT_EQ(error(header("ascii", elements) + "3 0 1 2\n3 0 4 3\n3 1 2 3\n" + kSquare),
-            "t.ply:14:5: 'vertex_indices' 4; expected an index of 0 to 3");
+  const Mesh odd = read(header("ascii", elements) + "3 0 1 2\n3 0 4 3\n3 1 2 3\n" + kSquare);
+  EXPECT_EQ(odd.triangles, (Indices{0, 1, 2, 1, 2, 3}));
+  EXPECT_EQ(odd.warnings,
+            std::vector<std::string>{"t.ply:14:5: 'vertex_indices' 4; expected an index of 0 to 3; "
+                                     "the face is left out"});
   EXPECT_EQ(error(header("ascii", "element face 1\n" + kFace) + "3 0 1 2\n"),
             "t.ply:7:3: 'vertex_indices' 0; expected a file with vertices");
 }
@@ -163,9 +166,10 @@ TEST(Ply, ShowsThePictureThatACommentNames) {
 
 TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
   EXPECT_EQ(error(header("ascii", "element vertex 4000000000\n" + kXyz) + kSquare),
-            "t.ply:4:16: 4000000000 of 'vertex'; expected at most 4, for which the file has room");
-  EXPECT_EQ(error(header("binary_little_endian", "element vertex 2\n" + kXyz) + "12345678"),
-            "t.ply:4:16: 2 of 'vertex'; expected at most 0, for which the file has room");
+            "t.ply:13:1: the file ends here; expected a number");
+  EXPECT_EQ(
+      error(header("binary_little_endian", "element vertex 4000000000\n" + kXyz) + "12345678"),
+      "t.ply: the file ends here (before byte 153); expected the data that its header announces");
   Bytes face{false};
   for (int i = 0; i < 9; ++i) face.put(0.f);
   face.put(uint32_t{0x7FFFFFFF});
@@ -177,6 +181,61 @@ TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
       "t.ply: a list 'vertex_indices' of 2147483647 (before byte 229); expected a count of at "
       "most 0, for which the file has room");
   EXPECT_TRUE(read(header("ascii", "element nothing 18446744073709551615\n")).triangles.empty());
+}
+
+TEST(Ply, WhatIsWholeOfAFileThatIsCutShortIsRead) {
+  const std::string text =
+      header("ascii", "element vertex 4\n" + kXyz + "element face 9\n" + kFace) + kSquare +
+      "3 0 1 2\n3 0 2 3\n3 0";
+  const Mesh by_text = read(text);
+  EXPECT_EQ(by_text.triangles, (Indices{0, 1, 2, 0, 2, 3}));
+  EXPECT_EQ(by_text.warnings,
+            std::vector<std::string>{"t.ply:17:1: 3; expected a count of at most 2, for which the "
+                                     "file has room; what is whole before it is read"});
+  Bytes data{false};
+  for (int i = 0; i < 9; ++i) data.put(static_cast<float>(i * i));
+  data.put(uint8_t{3}).put(0).put(1).put(2);
+  const std::string whole =
+      header("binary_little_endian",
+             "element vertex 3\n" + kXyz + "element face 2000000000\n" + kFace) +
+      data.text;
+  for (const char* more : {"", "\3", "\3\1\1\1", "\x7f\1\1\1\1\1\1\1\1"}) {
+    const Mesh mesh = read(whole + more);
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
+    ASSERT_EQ(mesh.warnings.size(), 1u);
+    EXPECT_TRUE(mesh.warnings[0].ends_with("; what is whole before it is read"))
+        << mesh.warnings[0];
+  }
+  EXPECT_EQ(error(whole.substr(0, whole.size() - 1)).substr(0, 30),
+            "t.ply: a list 'vertex_indices'");
+}
+
+TEST(Ply, OnePartThatCannotBeReadDoesNotCostTheFile) {
+  struct Case {
+    const char *vertex, *face, *more, *warning;
+  };
+  const std::vector<Case> cases{
+      {"0 1 0", "3 1 2 9", "",
+       ":16:7: 'vertex_indices' 9; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 -2 3", "",
+       ":16:5: 'vertex_indices' -2; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 1.5 3", "",
+       ":16:5: 'vertex_indices' 1.5; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 x 3", "",
+       ":16:5: 'vertex_indices' nan; expected an index of 0 to 3; the face is left out"},
+      {"0 x 0", "3 1 2 3", "",
+       ":14:3: 'x'; expected a finite number that single precision can hold; the faces there are "
+       "left out"},
+      {"0 1 0", "3 1 1 1", "3 1 2 3", ": what follows the last element is not read"},
+  };
+  for (const Case& c : cases) {
+    const Mesh mesh =
+        read(header("ascii", "element vertex 4\n" + kXyz + "element face 2\n" + kFace) +
+             "0 0 0\n1 0 0\n1 1 0\n" + c.vertex + "\n3 0 1 2\n" + c.face + "\n" + c.more);
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2})) << c.face;
+    ASSERT_FALSE(mesh.warnings.empty());
+    EXPECT_EQ(mesh.warnings.back(), std::string("t.ply") + c.warning);
+  }
 }
 
 TEST(Ply, OneOddValueDoesNotCostTheFile) {
@@ -219,7 +278,7 @@ TEST(Ply, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1.5 2\n"),
             "t.ply:14:5: 'vertex_indices' 1.5; expected an index of 0 to 2");
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1"),
-            "t.ply:14:6: the file ends here; expected a finite number");
+            "t.ply:14:6: the file ends here; expected a number");
 }
 
 }  // namespace

@@ -102,9 +102,11 @@ TEST(Stl, ReadsTextThatIsOneLine) {
 TEST(Stl, SaysWhatIsWrongWithAHeaderThatSaysSolid) {
   std::string damaged = binary("solid made by a program", kSquare);
   damaged.replace(80, 4, "\1\1\1\1");
-  EXPECT_EQ(error(damaged),
-            "t.stl: 'solid', but zeros behind it as in binary files, and 16843009 triangles in the "
-            "header; expected at most 2, for which the file has room");
+  EXPECT_EQ(read(damaged).positions, kSquarePoints);
+  EXPECT_EQ(read(damaged).warnings,
+            std::vector<std::string>{
+                "t.stl: 'solid', but zeros behind it as in binary files, and 16843009 triangles in "
+                "the header; expected 2, for which the file has room; those are read"});
   std::string wide;
   for (const char c : "solid x\n" + facet("0 0 0", "1 0 0", "1 1 0")) wide += {c, '\0'};
   for (const std::string& bytes : {wide, "\xFF\xFE" + wide})
@@ -146,17 +148,69 @@ TEST(Stl, OneOddTriangleDoesNotCostTheFile) {
                                "can hold; the triangle is left out"});
 }
 
+TEST(Stl, TheNumberOfTrianglesMayBeWrong) {
+  const auto announcing = [](uint32_t count, const std::vector<Floats>& triangles) {
+    std::string bytes = binary("", triangles);
+    bytes.replace(80, 4, reinterpret_cast<const char*>(&count), sizeof count);
+    return bytes;
+  };
+  for (const uint32_t count : {0u, 1u, 3u, 0xFFFFFFFFu}) {
+    const Mesh mesh = read(announcing(count, kSquare));
+    EXPECT_EQ(mesh.positions, kSquarePoints) << count;
+    EXPECT_EQ(mesh.warnings,
+              std::vector<std::string>{"t.stl: " + std::to_string(count) +
+                                       " triangles in the header; expected 2, for which the file "
+                                       "has room; those are read"});
+  }
+  const std::string whole = binary("", kSquare);
+  const Mesh cut = read(whole.substr(0, whole.size() - 1));
+  EXPECT_EQ(cut.triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(cut.warnings,
+            std::vector<std::string>{"t.stl: 2 triangles in the header; expected 1, for which the "
+                                     "file has room; those are read"});
+  const std::string text = "as long as one more triangle, but no numbers at all";
+  EXPECT_EQ(read(whole + text.substr(0, 50)).positions, kSquarePoints);
+  EXPECT_EQ(read(whole + text.substr(0, 50)).warnings,
+            std::vector<std::string>{"t.stl: what follows the last triangle is not read"});
+  std::string other = "\x89PNG";
+  for (int i = 0; i < 1000; ++i) other += static_cast<char>(i * i % 251);
+  EXPECT_NE(error(other).find("triangles in the header; expected 18"), std::string::npos);
+}
+
+TEST(Stl, OneFacetThatCannotBeReadDoesNotCostTheFile) {
+  const std::string good = facet("0 0 0", "1 0 0", "1 1 0");
+  struct Case {
+    std::string text, warning;
+  };
+  const std::vector<Case> cases{
+      {facet("0 0 0", "1 0 x", "0 1 0") + good,
+       "5:15: 'x'; expected a coordinate that single precision can hold"},
+      {"facet normal 0 0 1\nouter lop\n" + good, "3:7: 'lop'; expected 'loop'"},
+      {"facet\n" + good, "3:2: 'facet'; expected 'normal'"},
+      {"facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 endloop endfacet\n" + good,
+       "2:57: 'endloop'; expected 'vertex'"},
+      {"color 1 0 0\n" + good, "2:1: 'color'; expected facet, solid or endsolid"},
+      {good + good.substr(0, good.find("1 0 0")),
+       "12:11: the file ends here; expected a coordinate that single precision can hold"},
+      {good + std::string(30, '\0'), "9:1: "},
+  };
+  for (const Case& c : cases) {
+    const Mesh mesh = read("solid x\n" + c.text);
+    EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2})) << c.text;
+    ASSERT_EQ(mesh.warnings.size(), 1u) << c.text;
+    EXPECT_EQ(mesh.warnings[0].substr(0, 6 + c.warning.size()), "t.stl:" + c.warning);
+    EXPECT_TRUE(mesh.warnings[0].ends_with("; the triangle is left out")) << mesh.warnings[0];
+  }
+}
+
 TEST(Stl, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("hello"),
             "t.stl: neither 'solid' nor the 84 bytes that binary files begin with; expected an STL "
             "file");
-  const std::string cut = binary("", kSquare);
-  EXPECT_EQ(error(cut.substr(0, cut.size() - 1)),
-            "t.stl: 2 triangles in the header; expected at most 1, for which the file has room");
   EXPECT_EQ(error(binary("", {{0, 0, 0, 1, 0, std::numeric_limits<float>::quiet_NaN(), 0, 1, 0}})),
             "t.stl: triangle 1 of 1: coordinate nan; expected finite numbers");
   EXPECT_EQ(error("solid x\n" + facet("0 0 0", "1 0 x", "0 1 0")),
-            "t.stl:5:15: 'x'; expected a coordinate");
+            "t.stl:5:15: 'x'; expected a coordinate that single precision can hold");
   EXPECT_EQ(error("solid x\nfacet normal 0 0 1\nouter lop\n"), "t.stl:3:7: 'lop'; expected 'loop'");
   EXPECT_EQ(error("solid x\nfacet normal 0 0"),
             "t.stl:2:17: the file ends here; expected a component of the normal");

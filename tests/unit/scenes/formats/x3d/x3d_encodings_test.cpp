@@ -173,18 +173,38 @@ TEST(X3dEncodings, SayWhereTheClassicOneIsWrong) {
             "t.wrl:3:19: a string without an end; expected a "
             "closing quote");
   EXPECT_EQ(of("Transform { children [ Shape { } } ]").substr(0, 12), "t.wrl:2:34: ");
-  EXPECT_EQ(of("Shape { geometry Sphere { radius 1x } }"), "t.wrl:2:34: '1x'; expected a number");
-  EXPECT_EQ(of("DEF A Group { } USE B"),
-            "t.wrl:2:21: USE of 'B', which is not defined; expected the DEF name of a node before "
-            "it; did you mean 'A'?");
-  EXPECT_EQ(of("DEF G Group { children USE G }"),
-            "t.wrl:2:28: USE of 'G' inside itself; expected a graph without cycles");
-  EXPECT_EQ(of("UNIT length furlong -1"),
-            "t.wrl:2:21: a length unit of -1; expected a factor "
-            "above 0");
   std::string deep;
   for (int i = 0; i < 100; ++i) deep += "Group { children ";
   EXPECT_NE(of(deep).find("nodes nested too deep; expected at most 80 levels"), std::string::npos);
+}
+
+TEST(X3dEncodings, OnePartOfTheClassicOneThatCannotBeReadDoesNotCostTheFile) {
+  struct Case {
+    std::string part, warning;
+  };
+  const std::vector<Case> cases{
+      {"Shape { geometry Sphere { radius 1x } }",
+       "2:34: '1x'; expected a number; the field is left out"},
+      {"Transform { translation nan 0 0 }",
+       "2:25: 'nan'; expected a finite number; the field is left out"},
+      {"Transform { translation 0 Infinity 0 }",
+       "2:27: 'Infinity'; expected a finite number; the field is left out"},
+      {"Background { skyColor [ nan 0, 1 ] }", "2:25: 'nan'; expected a finite number; 0 is taken"},
+      {"DEF A Group { } USE B",
+       "2:21: USE of 'B', which is not defined; did you mean 'A'?; expected the DEF name of a node "
+       "before it; it is left out"},
+      {"DEF G Group { children USE G }",
+       "2:28: USE of 'G' inside itself; expected a graph without cycles; it is left out"},
+      {"UNIT length furlong -1",
+       "2:21: a length unit of -1; expected a factor above 0; it is left out"},
+      {"Viewpoint { description 7 }",
+       "2:25: '7'; expected a string in quotes; it is taken for one"},
+  };
+  for (const Case& c : cases) {
+    const auto loaded = parse_classic(c.part + " Shape { geometry Box { } }");
+    EXPECT_TRUE(loaded.scene.nodes(loaded.scene.nodes_size() - 1).shape().has_box()) << c.part;
+    EXPECT_EQ(loaded.warnings, std::vector<std::string>{"t.x3dv:" + c.warning}) << c.part;
+  }
 }
 
 TEST(X3dEncodings, ShowsHumanoidsAsTheyStand) {
