@@ -40,7 +40,7 @@ tell_end() {
     failure="the disk is full: $free MB are free in $PWD; make room, then run this again"
   fi
   printf '%s: %s\n' "$(basename "$0")" \
-    "${failure:-failed in the phase \"${phases[-1]#* }\"; the output above says why}" >&2
+    "${failure:-failed${phases:+ in the phase \"${phases[-1]#* }\"}; the output above says why}" >&2
 }
 trap 'tell_end $?' EXIT
 

@@ -126,9 +126,10 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
       warnings_.add("primitives without POSITION are left out");
       continue;
     }
-    const auto [at, is_new] = by_key.try_emplace(attributes.key(), groups.size());
-    if (is_new) groups.emplace_back(std::move(attributes));
-    file_.attempt(kPrimitive, [&] { add(primitive, material, groups[at->second]); });
+    const auto placed = by_key.try_emplace(attributes.key(), groups.size());
+    if (placed.second) groups.emplace_back(std::move(attributes));
+    Group& group = groups[placed.first->second];
+    file_.attempt(kPrimitive, [&] { add(primitive, material, group); });
   }
   std::vector<v1::Shape> shapes;
   for (Group& group : groups) {

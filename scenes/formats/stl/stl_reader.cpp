@@ -170,9 +170,8 @@ class StlText {
       if (keyword.empty()) return;
       if (keyword == "facet") {
         facet();
-      } else if (keyword == "solid" || keyword == "endsolid") {
-        skip_name();
-      } else if (keyword == "end" && expect("solid")) {
+      } else if (keyword == "solid" || keyword == "endsolid" ||
+                 (keyword == "end" && expect("solid"))) {
         skip_name();
       } else if (keyword != "end") {
         leave_out("facet, solid or endsolid");
