@@ -132,12 +132,10 @@ bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hi
   return solid ? solid->holds_start(local) : instance.shape->crossing_number(local, hits) != 0;
 }
 
-double winding_number_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
-                         std::span<const Hit> hits) {
+bool goes_around_start_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
+                          std::span<const Hit> hits) {
   const Ray local = to_object(instance, ray, Cull::none);
-  const double number =
-      boundary.winding_number(local, instance.shape->crossing_number(local, hits));
-  return instance.flip_normals ? -number : number;
+  return boundary.goes_around(local, instance.shape->crossing_number(local, hits));
 }
 
 Bounds3 bounds_of(const Instance& instance) {

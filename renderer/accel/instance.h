@@ -90,10 +90,10 @@ int crossing_number_of(const Instance& instance, const Ray& ray, std::span<const
 /// Whether a world-space ray starts inside the instance's shape, of which `hits` are all hits.
 /// Only what is_closed() has an inside.
 bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits);
-/// The winding number of an open mesh about where a world-space ray starts, positive where the
-/// instance's normals lead outward. `hits`: all of the ray with the instance.
-double winding_number_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
-                         std::span<const Hit> hits);
+/// As MeshBoundary::goes_around for an open mesh and where a world-space ray starts. `hits`: all of
+/// the ray with the instance.
+bool goes_around_start_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
+                          std::span<const Hit> hits);
 /// Whether the shape has an inside: a solid of which nothing is left out, or a closed mesh. Takes a
 /// sort of a mesh's edges.
 bool is_closed(const Shape& shape);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "renderer/math/bounds.h"
@@ -10,6 +11,8 @@
 
 namespace tessera {
 namespace {
+
+constexpr double kSphere = 4 * std::numbers::pi;
 
 /// The solid angles that triangles fill as seen from the origin of a ray that go from an edge to
 /// the point endlessly far behind it.
@@ -53,14 +56,21 @@ class StripAngles {
   Vec3 along_, aside_;
 };
 
-/// The area of the loop through the points and back, across its mean direction.
-Vec3 area_of(const Point3* begin, const Point3* end, const Point3& center) {
-  Vec3 sum;
+/// Of the fan of triangles from the center to the loop through the points and back.
+struct Fan {
+  Vec3 area;             ///< across its mean direction
+  double most_area = 0;  ///< of all triangles together
+};
+
+Fan fan_of(const Point3* begin, const Point3* end, const Point3& center) {
+  Fan fan;
   for (const Point3* p = begin; p != end; ++p) {
     const Point3& next = p + 1 == end ? *begin : p[1];
-    sum = sum + cross(*p - center, next - center);
+    const Vec3 area = cross(*p - center, next - center) / 2;
+    fan.area = fan.area + area;
+    fan.most_area += length(area);
   }
-  return sum / 2;
+  return fan;
 }
 
 }  // namespace
@@ -131,6 +141,7 @@ void MeshBoundary::build_loops(std::vector<Loop>& loops, size_t begin, size_t en
     node.area = node.area + nodes_[child].area;
   }
   node.center = box.center();
+  for (const size_t child : {self + 1, second}) node.most_area += nodes_[child].most_area;
   for (const size_t child : {self + 1, second})
     node.radius =
         std::max(node.radius, length(nodes_[child].center - node.center) + nodes_[child].radius);
@@ -149,7 +160,9 @@ void MeshBoundary::build_chain(uint32_t first, uint32_t last) {
   node.center = box.center();
   for (uint32_t p = first; p <= last; ++p)
     node.radius = std::max(node.radius, length(points_[p] - node.center));
-  node.area = area_of(points_.data() + first, points_.data() + last + 1, node.center);
+  const Fan fan = fan_of(points_.data() + first, points_.data() + last + 1, node.center);
+  node.area = fan.area;
+  node.most_area = fan.most_area;
   nodes_.push_back(node);
   if (!node.is_leaf) {
     const uint32_t middle = first + (last - first) / 2;
@@ -159,9 +172,7 @@ void MeshBoundary::build_chain(uint32_t first, uint32_t last) {
   nodes_[self].end = static_cast<uint32_t>(nodes_.size());
 }
 
-double MeshBoundary::winding_number(const Ray& ray, int crossing_number) const {
-  // Strips from the open edges away from where the ray goes close the mesh without crossing the
-  // ray. It goes around its origin as often as the ray leaves it; the strips take their share off.
+double MeshBoundary::angle(const Ray& ray, double cut) const {
   constexpr double kFar = 2.5;
   const StripAngles strips(ray);
   const Vec3 along = normalize(ray.direction);
@@ -173,13 +184,18 @@ double MeshBoundary::winding_number(const Ray& ray, int crossing_number) const {
     const Node& node = nodes_[i];
     const Vec3 to_center = node.center - ray.origin;
     const double squared = length_squared(to_center), ahead = dot(to_center, along);
-    const double near = kFar * node.radius;
+    const double near = kFar * node.radius, kept = node.radius + cut;
     // A loop that the ray goes through is no dipole: it is seen from behind, all of the sphere but
     // the loop.
     const bool is_passed = ahead <= 0 || squared - ahead * ahead > 1.01 * node.radius * node.radius;
-    if (squared > near * near && is_passed) {
+    const bool is_whole = points_[node.first] == points_[node.last];
+    if (is_passed && is_whole && squared > kept * kept) {
+      i = node.end;
+      continue;
+    }
+    if (is_passed && squared > near * near) {
       angle += dot(node.area, to_center) / (squared * std::sqrt(squared));
-      if (points_[node.first] != points_[node.last]) angle += strip(node.first, node.last);
+      if (!is_whole) angle += strip(node.first, node.last);
       i = node.end;
       continue;
     }
@@ -187,7 +203,23 @@ double MeshBoundary::winding_number(const Ray& ray, int crossing_number) const {
       for (uint32_t p = node.first; p < node.last; ++p) angle += strip(p, p + 1);
     ++i;
   }
-  return angle / (4 * std::numbers::pi) - crossing_number;
+  return angle;
+}
+
+double MeshBoundary::winding_number(const Ray& ray, int crossing_number) const {
+  // Strips from the open edges away from where the ray goes close the mesh without crossing the
+  // ray. It goes around its origin as often as the ray leaves it; the strips take their share off.
+  return angle(ray, std::numeric_limits<double>::infinity()) / kSphere - crossing_number;
+}
+
+bool MeshBoundary::goes_around(const Ray& ray, int crossing_number) const {
+  if (nodes_.empty()) return crossing_number != 0;
+  // From further away than the cut, what closes all loops fills no more than that of the number.
+  constexpr double kMost = 0.4, kRounding = 0.01;
+  const double cut = std::sqrt(nodes_[0].most_area / (kMost * kSphere));
+  const double about = std::abs(angle(ray, cut) / kSphere - crossing_number);
+  if (std::abs(about - 0.5) > kMost + kRounding) return about > 0.5;
+  return std::abs(winding_number(ray, crossing_number)) > 0.5;
 }
 
 }  // namespace tessera

@@ -38,6 +38,8 @@ class MeshBoundary {
   /// dipoles that Barill et al., Fast Winding Numbers for Soups and Clouds, 2018, take for
   /// triangles, which is right to some hundredths.
   double winding_number(const Ray& ray, int crossing_number) const;
+  /// Whether its size is above a half, which mostly shows without looking at all holes.
+  bool goes_around(const Ray& ray, int crossing_number) const;
 
  private:
   /// Below a node in preorder are parts of the same chain of edges, or whole loops.
@@ -45,6 +47,7 @@ class MeshBoundary {
     Point3 center;
     double radius = 0;
     Vec3 area;  ///< of the loop that the chain and the edge back to its begin make
+    double most_area = 0;  ///< of surfaces in the sphere that together close the loops
     uint32_t first = 0, last = 0;  ///< of the points of the chain; the same: loops
     uint32_t end = 0;              ///< one past the nodes below
     bool is_leaf = false;
@@ -56,6 +59,9 @@ class MeshBoundary {
   std::vector<Loop> make_loops(const TriangleMesh& mesh);
   void build_loops(std::vector<Loop>& loops, size_t begin, size_t end);
   void build_chain(uint32_t first, uint32_t last);
+  /// The sum of solid angles that winding_number() is made of. Whole loops are left out that the
+  /// ray does not go through and that are further away than `cut` from its origin.
+  double angle(const Ray& ray, double cut) const;
 
   std::vector<OpenEdge> edges_;
   std::vector<Point3> points_;  ///< of loop after loop, the first of each once more at its end

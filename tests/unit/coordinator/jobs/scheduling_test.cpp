@@ -103,15 +103,15 @@ void follow(const BeginPlan& plan, std::vector<OpenJob>& jobs, const BeginLimits
   const auto find = [&](uint64_t id) {
     return std::ranges::find_if(jobs, [id](const OpenJob& job) { return job.id == id; });
   };
-  for (const auto& [id, frame] : plan.put_aside) {
-    const auto job = find(id);
-    const auto is_it = [&](const BegunFrame& of) { return of.frame == frame; };
+  for (const FrameOfJob& aside : plan.put_aside) {
+    const auto job = find(aside.job);
+    const auto is_it = [&](const BegunFrame& of) { return of.frame == aside.frame; };
     const auto at = std::ranges::find_if(job->begun, is_it);
     ASSERT_NE(at, job->begun.end());
     ASSERT_TRUE(at->may_be_put_aside);
     const uint64_t film = at->film_bytes;
     job->begun.erase(at);
-    if (!job->next || job->next->frame > frame) job->next = {frame, film};
+    if (!job->next || job->next->frame > aside.frame) job->next = {aside.frame, film};
   }
   for (const auto& [id, frame] : plan.begin) {
     const auto job = find(id);

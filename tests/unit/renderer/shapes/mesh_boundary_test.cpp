@@ -51,6 +51,7 @@ double sum_over_triangles(const TriangleMesh& mesh, const Point3& p) {
   return sum / (4 * std::numbers::pi);
 }
 
+/// Held against goes_around().
 double winding_number(const TriangleMesh& mesh, const MeshBoundary& boundary, const Point3& p,
                       const Vec3& direction = {0, 0, 1}) {
   // All triangles count as hit ahead that the line meets there.
@@ -62,7 +63,10 @@ double winding_number(const TriangleMesh& mesh, const MeshBoundary& boundary, co
     TriangleHit at;
     if (intersect_triangle(frame, a, b, c, at)) hits.push_back({at.t, at.u, at.v, 0, i});
   }
-  return boundary.winding_number(ray, mesh_crossing_number(mesh, ray, hits));
+  const int crossings = mesh_crossing_number(mesh, ray, hits);
+  const double number = boundary.winding_number(ray, crossings);
+  EXPECT_EQ(boundary.goes_around(ray, crossings), std::abs(number) > .5) << number;
+  return number;
 }
 
 TEST(MeshBoundary, OpenEdgesAreThoseThatLackANeighbour) {
