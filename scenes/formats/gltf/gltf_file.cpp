@@ -93,6 +93,13 @@ int hex_digit(char c) {
   return -1;
 }
 
+/// What a buffer or a view of one says that it is long; all that is there where it does not.
+uint64_t length_of(const GltfValue& holder, size_t there) {
+  const GltfValue value = holder["byteLength"];
+  if (!value) value.repair("no value", "a whole number", "what is there is read");
+  return value.whole().value_or(there);
+}
+
 }  // namespace
 
 GltfFile::GltfFile(std::string_view bytes, const std::string& name, GltfFolder folder)
@@ -266,17 +273,6 @@ std::string GltfFile::load(const GltfValue& uri) {
     throw uri.error(problem.what(), "a file that can be read");
   }
 }
-
-namespace {
-
-/// What a buffer or a view of one says that it is long; all that is there where it does not.
-uint64_t length_of(const GltfValue& holder, size_t there) {
-  const GltfValue value = holder["byteLength"];
-  if (!value) value.repair("no value", "a whole number", "what is there is read");
-  return value.whole().value_or(there);
-}
-
-}  // namespace
 
 std::string_view GltfFile::buffer(size_t index) {
   if (const auto lost = lost_buffers_.find(index); lost != lost_buffers_.end()) throw lost->second;
