@@ -93,6 +93,13 @@ int hex_digit(char c) {
   return -1;
 }
 
+/// What a buffer or a view of one says that it is long; all that is there where it does not.
+uint64_t length_of(const GltfValue& holder, size_t there) {
+  const GltfValue value = holder["byteLength"];
+  if (!value) value.repair("no value", "a whole number", "what is there is read");
+  return value.whole().value_or(there);
+}
+
 }  // namespace
 
 GltfFile::GltfFile(std::string_view bytes, const std::string& name, GltfFolder folder)
@@ -270,7 +277,6 @@ std::string GltfFile::load(const GltfValue& uri) {
 std::string_view GltfFile::buffer(size_t index) {
   if (const auto lost = lost_buffers_.find(index); lost != lost_buffers_.end()) throw lost->second;
   const GltfValue value = element("buffers", index);
-  const uint64_t length = value["byteLength"].required_whole();
   const GltfValue uri = value["uri"];
   std::string_view bytes = binary_;
   if (uri) {
@@ -285,6 +291,7 @@ std::string_view GltfFile::buffer(size_t index) {
   } else if (index != 0 || binary_.empty()) {
     throw value.error("neither a uri nor the binary part of a .glb", "one of them");
   }
+  const uint64_t length = length_of(value, bytes.size());
   if (bytes.size() < length)
     value["byteLength"].repair(fmt::format("{} bytes", length),
                                fmt::format("at most {}, which are there", bytes.size()),
@@ -298,7 +305,7 @@ GltfFile::View GltfFile::view(size_t index) {
   if (!which) throw value.error("no buffer", "its index");
   const std::string_view bytes = buffer(*which);
   const uint64_t offset = std::min<uint64_t>(value["byteOffset"].whole().value_or(0), bytes.size());
-  const uint64_t length = value["byteLength"].required_whole();
+  const uint64_t length = length_of(value, bytes.size() - offset);
   if (length > bytes.size() - offset)
     value.repair(fmt::format("{} bytes from byte {} on", length, offset),
                  fmt::format("an end within the buffer's {} bytes", bytes.size()),

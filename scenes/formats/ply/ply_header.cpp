@@ -33,7 +33,8 @@ constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{
 
 class HeaderReader {
  public:
-  HeaderReader(std::string_view bytes, const std::string& name) : in_(bytes, name) {}
+  HeaderReader(std::string_view bytes, const std::string& name, Warnings& warnings)
+      : in_(bytes, name), warnings_(warnings) {}
 
   PlyHeader read() {
     if (in_.word() != "ply") throw in_.error(in_.quoted_word(), "'ply', as PLY files begin");
@@ -53,6 +54,7 @@ class HeaderReader {
 
  private:
   void statement(const std::string& keyword) {
+    constexpr const char* kKeywords = "format, element, property, comment or end_header";
     if (keyword == "format")
       format();
     else if (keyword == "element")
@@ -61,8 +63,14 @@ class HeaderReader {
       property();
     else if (keyword == "comment")
       comment();
+    else if (in_.is_past_end())
+      throw in_.error(in_.quoted_word(), kKeywords);
     else if (keyword != "obj_info")
-      throw in_.error(in_.quoted_word(), "format, element, property, comment or end_header");
+      repair(kKeywords, "the line is left out");
+  }
+
+  void repair(const char* expected, const char* taken) {
+    warnings_.repair(in_.quoted_word(), expected, taken, [&] { return in_.place(); });
   }
 
   void comment() {
@@ -81,7 +89,7 @@ class HeaderReader {
       header_.encoding = PlyHeader::Encoding::big_endian;
     else
       throw in_.error(in_.quoted_word(), "ascii, binary_little_endian or binary_big_endian");
-    if (in_.word() != "1.0") throw in_.error(in_.quoted_word(), "version 1.0");
+    if (in_.word() != "1.0") repair("version 1.0", "it is read as that");
     has_format_ = true;
   }
 
@@ -117,7 +125,7 @@ class HeaderReader {
     if (in_.word() == "list") {
       property.count_type = type();
       if (*property.count_type >= PlyType::float32)
-        throw in_.error(in_.quoted_word(), "a type of whole numbers");
+        repair("a type of whole numbers", "it is taken all the same");
     } else {
       in_ = before;
     }
@@ -142,6 +150,7 @@ class HeaderReader {
   }
 
   TokenReader in_;
+  Warnings& warnings_;
   PlyHeader header_;
   bool has_format_ = false;
 };
@@ -153,8 +162,8 @@ size_t ply_size(PlyType type) {
   return kSizes[static_cast<size_t>(type)];
 }
 
-PlyHeader read_ply_header(std::string_view bytes, const std::string& name) {
-  return HeaderReader(bytes, name).read();
+PlyHeader read_ply_header(std::string_view bytes, const std::string& name, Warnings& warnings) {
+  return HeaderReader(bytes, name, warnings).read();
 }
 
 }  // namespace tessera

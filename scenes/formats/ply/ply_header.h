@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "scenes/import/warnings.h"
+
 namespace tessera {
 
 enum class PlyType : uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
@@ -34,7 +36,8 @@ struct PlyHeader {
 };
 
 /// Reads the header of a PLY file (Turk 1994). No element's count is more than one above what the
-/// bytes that follow have room for. Throws scene_error with the place.
-PlyHeader read_ply_header(std::string_view bytes, const std::string& name);
+/// bytes that follow have room for. A line that is none of a header's is left out with a warning.
+/// Throws scene_error with the place of what nothing can be read without.
+PlyHeader read_ply_header(std::string_view bytes, const std::string& name, Warnings& warnings);
 
 }  // namespace tessera

@@ -371,7 +371,7 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name, const Pic
   bytes = skip_byte_order_mark(bytes);
   LoadedScene out;
   Warnings warnings;
-  const PlyHeader header = read_ply_header(bytes, name);
+  const PlyHeader header = read_ply_header(bytes, name, warnings);
   MeshData mesh = read_mesh(header, bytes, name, warnings);
   if (mesh.triangle_count() == 0) {
     warnings.add("no faces: there is nothing to see");

@@ -31,14 +31,14 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values) {
         "xDimension times zDimension", "the rows that are whole are taken");
     rows = heights.size() / columns;
     if (rows < 2) return out;
+  } else if (columns * rows < heights.size()) {
+    values.warn(node.field("height")->offset,
+                "heights of an ElevationGrid beyond its dimensions are left out");
   }
   if (columns * rows > kMaxX3dPoints)
     throw values.document().error(node.offset,
                                   fmt::format("{} heights of {}", columns * rows, describe(node)),
                                   fmt::format("at most {}", kMaxX3dPoints));
-  if (columns * rows < heights.size() && heights.size() - columns * rows >= columns)
-    values.warn(node.field("height")->offset,
-                "heights of an ElevationGrid beyond its dimensions are left out");
   for (size_t row = 0; row < rows; ++row) {
     for (size_t column = 0; column < columns; ++column) {
       const auto x = static_cast<double>(column), z = static_cast<double>(row);
