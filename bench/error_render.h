@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "bench/error/reference.h"
 #include "bench/error_bench.h"
 
 namespace tessera {

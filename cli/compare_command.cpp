@@ -11,12 +11,12 @@
 
 #include "base/core_count.h"
 #include "base/parallel.h"
-#include "bench/error/difference.h"
-#include "bench/error/metrics.h"
-#include "bench/error/ssim.h"
 #include "cli/command_line.h"
 #include "cli/say.h"
 #include "front/option_values.h"
+#include "metrics/difference.h"
+#include "metrics/picture_error.h"
+#include "metrics/ssim.h"
 #include "renderer/image/image_file.h"
 
 namespace tessera {

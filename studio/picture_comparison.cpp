@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "bench/error/difference.h"
-#include "bench/error/metrics.h"
-#include "bench/error/ssim.h"
+#include "metrics/difference.h"
+#include "metrics/picture_error.h"
+#include "metrics/ssim.h"
 #include "studio/channel_view.h"
 #include "studio/page_answer.h"
 #include "studio/pixel_frame.h"

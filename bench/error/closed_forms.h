@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "bench/error/picture.h"
+#include "metrics/picture.h"
 
 namespace tessera {
 

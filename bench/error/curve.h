@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/error/metrics.h"
 #include "bench/error/statistics.h"
+#include "metrics/picture_error.h"
 
 namespace tessera {
 

@@ -286,8 +286,8 @@ bool RayQueries::contains(size_t count, const VectorRows& points, std::optional<
         const std::span<const Hit> of = hits_of(hits, number);
         const Instance& one = instances[number];
         const MeshBoundary* const boundary = insides.of[number].boundary.get();
-        inside = boundary ? goes_around_start_of(one, *boundary, ray, of)
-                          : holds_start_of(one, ray, of);
+        inside =
+            boundary ? goes_around_start_of(one, *boundary, ray, of) : holds_start_of(one, ray, of);
       };
       if (can_hit(ray)) {
         find_all(ray, hits);

@@ -46,7 +46,7 @@ class MeshBoundary {
   struct Node {
     Point3 center;
     double radius = 0;
-    Vec3 area;  ///< of the loop that the chain and the edge back to its begin make
+    Vec3 area;             ///< of the loop that the chain and the edge back to its begin make
     double most_area = 0;  ///< of surfaces in the sphere that together close the loops
     uint32_t first = 0, last = 0;  ///< of the points of the chain; the same: loops
     uint32_t end = 0;              ///< one past the nodes below

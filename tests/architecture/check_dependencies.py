@@ -14,7 +14,7 @@ import re
 import sys
 
 ENDINGS = {".h", ".cpp", ".cc", ".hpp", ".inl"}
-TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench",
+TOP_FOLDERS = ["base", "proto", "renderer", "scenes", "job", "client", "coordinator", "worker", "bench", "metrics",
                "cli", "python", "front", "web", "studio"]
 PYTHON_FOLDERS = ["python", "blender", "examples"]
 # A type that is named without being defined; and one that is, outside of any other.
@@ -53,6 +53,8 @@ WALLS = [
         "integrator", "render")], "scene files see neither sockets nor the renderer beyond math"),
     (["scenes/edit"], ["scenes/generate", "scenes/mesh"],
      "an edit is a function of texts: text and change in, changed text out"),
+    (["metrics"], [f for f in TOP_FOLDERS if f not in ("base", "metrics")],
+     "a measure is a function of two pictures"),
     (["bench"], [f for f in FARM if f != "web"], "benchmarks see no sockets of the farm"),
     (["bench/studio"], ["renderer", "scenes"],
      "the studio is measured as its page sees it"),
@@ -89,9 +91,6 @@ WALLS = [
      "texts and files are kept without knowing what is in them"),
     (["python"], ["cli", "bench", "studio"], "the Python package stands beside the program"),
 ]
-
-# Modules that stand behind a wall and may be reached all the same: (who may, what they may reach).
-GATES = [(["studio", "python"], "bench/error")]  # measures are functions of numbers, for `compare` as for the studio
 
 # What only one module may touch: (what, pattern of a line, the modules that may).
 MONOPOLIES = [
@@ -163,8 +162,7 @@ def check_declarations(modules):
         for prefixes, forbidden, why in WALLS:
             if any(below(module, prefix) for prefix in prefixes):
                 for used in sorted(reachable(modules, module)):
-                    is_let_in = any(used == inner and any(below(module, each) for each in who) for who, inner in GATES)
-                    if any(below(used, f) for f in forbidden) and not is_let_in:
+                    if any(below(used, f) for f in forbidden):
                         yield f"{module}: reaches {used}; {why}"
 
 

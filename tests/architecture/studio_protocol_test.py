@@ -10,7 +10,7 @@ STUDIO = ROOT / "studio"
 PROTOCOL = re.sub(r"/\*\*.*?\*/|//[^\n]*", "", (STUDIO / "page/src/core/protocol.ts").read_text(), flags=re.DOTALL)
 READER = (STUDIO / "page_message.cpp").read_text()
 SOURCE_READER = (STUDIO / "source_request.cpp").read_text()
-SENDERS = "\n".join(path.read_text() for folder in ("studio", "bench/error", "scenes/formats", "coordinator/web")
+SENDERS = "\n".join(path.read_text() for folder in ("studio", "metrics", "scenes/formats", "coordinator/web")
                     for path in sorted((ROOT / folder).glob("*.cpp")))
 
 

@@ -1,4 +1,4 @@
-#include "bench/error/flip.h"
+#include "metrics/flip.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 
 #include "base/core_count.h"
 #include "base/parallel.h"
-#include "bench/error/vector_math.h"
-#include "bench/error/weighted_sum.h"
+#include "metrics/vector_math.h"
+#include "metrics/weighted_sum.h"
 
 namespace tessera {
 namespace {

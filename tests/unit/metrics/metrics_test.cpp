@@ -1,35 +1,22 @@
-#include "bench/error/metrics.h"
+#include "metrics/picture_error.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-#include <random>
 
-#include "bench/error/difference.h"
-#include "bench/error/flip.h"
-#include "bench/error/ssim.h"
-#include "bench/error/vector_math.h"
-#include "bench/error/weighted_sum.h"
+#include "metrics/difference.h"
+#include "metrics/flip.h"
+#include "metrics/ssim.h"
+#include "metrics/vector_math.h"
+#include "metrics/weighted_sum.h"
+#include "tests/unit/metrics/made_pictures.h"
 
 namespace tessera {
 namespace {
 
-Picture constant(int width, int height, float r, float g, float b) {
-  Picture out{width, height, {}};
-  for (size_t i = 0; i < out.pixels(); ++i) out.values.insert(out.values.end(), {r, g, b});
-  return out;
-}
-
-Picture noise(int width, int height, uint64_t seed, double mean, double spread) {
-  std::mt19937_64 random(seed);
-  Picture out{width, height, {}};
-  for (size_t i = 0; i < 3 * out.pixels(); ++i) {
-    const double unit = static_cast<double>(random() >> 11) * 0x1p-53;
-    out.values.push_back(static_cast<float>(mean + spread * (unit - .5)));
-  }
-  return out;
-}
+using testing::constant;
+using testing::noise;
 
 TEST(ErrorMetrics, AreTheHandWorkedNumbers) {
   // Differences .1, 0, 0 from .1, .2, .3 and 0, -.2, 0 from .1, .4, 0.
@@ -125,43 +112,6 @@ TEST(ErrorMetrics, WhatIsNoNumberCountsAsBlackAndIsCounted) {
   EXPECT_EQ(e.not_finite, 2u);
   EXPECT_NEAR(e.mse, 2 * .25 / 12, 1e-9);
   EXPECT_TRUE(std::isfinite(e.flip));
-}
-
-TEST(ErrorMetrics, TheReferencesNoiseCancels) {
-  const Reference reference{noise(64, 64, 1, .5, .4), noise(64, 64, 2, .5, .4)};
-  const Picture picture = noise(64, 64, 3, .5, .4);
-  const double variance = .4 * .4 / 12;
-  EXPECT_NEAR(mean_square_error(picture, reference), variance, .05 * variance);
-  EXPECT_NEAR(reference.error(), std::sqrt(variance / 2), .03 * std::sqrt(variance / 2));
-  EXPECT_NEAR(picture_error(picture, reference.mean(), {}, false).mse, 1.5 * variance,
-              .05 * variance);
-}
-
-TEST(BiasEstimate, FindsAPlantedBiasAndNoOther) {
-  const Reference truth{noise(48, 48, 1, .5, .02), noise(48, 48, 2, .5, .02)};
-  for (const double planted : {0., .008, .02}) {
-    BiasEstimator estimator(truth);
-    for (uint64_t seed = 10; seed < 26; ++seed)
-      estimator.add(noise(48, 48, seed, .5 + planted, .3));
-    const auto found = estimator.result();
-    EXPECT_NEAR(found.variance, .09 / 12, .03 * .09 / 12);
-    if (planted > 0) {
-      EXPECT_NEAR(found.bias, planted, .002) << planted;
-    } else {
-      EXPECT_LT(std::abs(found.sigmas), 4) << "false alarm in 1 of 16,000";
-    }
-    if (planted == .02) {
-      EXPECT_GT(found.sigmas, 20);
-    }
-  }
-}
-
-TEST(BiasEstimate, SaysNothingBeforeItHasTwo) {
-  BiasEstimator estimator({constant(2, 2, 0, 0, 0), constant(2, 2, 0, 0, 0)});
-  estimator.add(constant(2, 2, 1, 1, 1));
-  EXPECT_EQ(estimator.result().bias, 0);
-  estimator.add(constant(2, 2, 1, 1, 1));
-  EXPECT_EQ(estimator.result().bias, 1);
 }
 
 TEST(ErrorMetrics, PowersAreThoseOfTheLibrary) {

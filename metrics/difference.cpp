@@ -1,4 +1,4 @@
-#include "bench/error/difference.h"
+#include "metrics/difference.h"
 
 #include <algorithm>
 #include <cmath>

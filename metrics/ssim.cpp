@@ -1,4 +1,4 @@
-#include "bench/error/ssim.h"
+#include "metrics/ssim.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include "base/core_count.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "bench/error/vector_math.h"
-#include "bench/error/weighted_sum.h"
+#include "metrics/vector_math.h"
+#include "metrics/weighted_sum.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "bench/error/picture.h"
+#include "metrics/picture.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/error/picture.h"
+#include "metrics/picture.h"
 
 namespace tessera {
 

@@ -1,10 +1,10 @@
-#include "bench/error/weighted_sum.h"
+#include "metrics/weighted_sum.h"
 
 #include "base/targets.h"
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "bench/error/weighted_sum.cpp"
+#define HWY_TARGET_INCLUDE "metrics/weighted_sum.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
