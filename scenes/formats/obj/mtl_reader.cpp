@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/file.h"
@@ -102,23 +103,37 @@ class MtlReader {
     target.*member = MtlEntry::Rgb{r, g.value_or(r), b.value_or(r)};
     for (float& c : *(target.*member)) {
       if (c >= 0) continue;
-      warnings_.repair(fmt::format("a negative component of {} is taken as 0", keyword), nullptr);
+      warnings_.repair(fmt::format("a negative component of {} is taken as 0", keyword),
+                       [&] { return in_.place(); });
       c = 0;
     }
     return true;
   }
+
+  /// The keyword's number, the nearest within the limits where it lies outside of them.
+  float within(const std::string& keyword, const char* what, float least, float most) {
+    const float value = in_.number(what), nearest = std::clamp(value, least, most);
+    if (value != nearest) {
+      warnings_.repair(
+          in_.quoted_word(), what, fmt::format("{} is taken", nearest), [&] { return in_.place(); },
+          keyword);
+    }
+    return nearest;
+  }
+  float share(const std::string& keyword) { return within(keyword, "a share of 0 to 1", 0, 1); }
 
   bool number(const std::string& keyword) {
     if (keyword == "d") {
       MtlEntry& target = entry();
       in_.at_line_end();
       if (in_.peek() == '-') warnings_.add(fmt::format("d {} is read as plain d", in_.word()));
-      target.numbers["d"] = in_.number("a share of 0 to 1");
+      target.numbers["d"] = share(keyword);
     } else if (keyword == "Tr" || keyword == "Pr" || keyword == "Pm" || keyword == "Pc" ||
                keyword == "Pcr") {
-      entry().numbers[keyword] = in_.number("a share of 0 to 1");
+      entry().numbers[keyword] = share(keyword);
     } else if (keyword == "Ns") {
-      entry().numbers["Ns"] = std::max(0.f, in_.number("an exponent"));
+      entry().numbers["Ns"] =
+          within(keyword, "an exponent of 0 or more", 0, std::numeric_limits<float>::max());
     } else if (keyword == "Ni") {
       const float index = in_.number("a refractive index");
       if (index <= 0)

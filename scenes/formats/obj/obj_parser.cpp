@@ -124,8 +124,13 @@ void ObjParser::vertex() {
   std::vector<float>& colors = file_.mesh.colors;
   if (count >= 3) {
     colors.resize((positions.size() / 3 - 1) * 4, 1.f);
-    for (size_t c = count - 3; c < count; ++c)
-      colors.push_back(vertex_light(more[c], VertexColorSource::obj));
+    for (size_t c = count - 3; c < count; ++c) {
+      const float share = std::clamp(more[c], 0.f, 1.f);
+      if (more[c] != share)
+        repair(fmt::format("{} in a vertex's colour", more[c]), "a share of 0 to 1",
+               fmt::format("{} is taken", share));
+      colors.push_back(vertex_light(share, VertexColorSource::obj));
+    }
     colors.push_back(1.f);
   } else if (!colors.empty()) {
     colors.resize(positions.size() / 3 * 4, 1.f);

@@ -67,21 +67,20 @@ std::optional<std::string> find_picture(const std::string& written, const AssetF
   return std::nullopt;
 }
 
-/// Of the materials named in `used` pictures are checked.
+/// Of the materials named in `used` pictures are checked. `notes`: of the OBJ file.
 void read_library(const std::string& written, const AssetFolder& assets, const PictureCheck& check,
                   const std::vector<std::string>& used, MtlLibrary& library, LoadedScene& out,
-                  const std::string& path) {
+                  const std::string& path, Warnings& notes) {
   std::string name = written;
   for (char& c : name)
     if (c == '\\') c = '/';
   const auto [file, note] = assets.find_asset(name);
-  if (!note.empty()) add_warning(out, path, fmt::format("material library {}", to_utf8(note)));
+  if (!note.empty()) notes.add(fmt::format("material library {}", to_utf8(note)));
   if (!file) {
-    add_warning(out, path,
-                fmt::format("material library '{}' lies outside {} and is not read",
-                            to_utf8(written), assets.shown_root()));
+    notes.add(fmt::format("material library '{}' lies outside {} and is not read", to_utf8(written),
+                          assets.shown_root()));
   } else if (!is_there(*file)) {
-    add_warning(out, path, fmt::format("material library '{}' is not there", to_utf8(written)));
+    notes.add(fmt::format("material library '{}' is not there", to_utf8(written)));
   } else if (has_text(*file)) {
     Warnings warnings;
     const bool is_as_written = !assets.searches_root && note.empty();
@@ -185,7 +184,7 @@ LoadedScene add_libraries(const ObjGeometry& file, const std::string& path,
     for (const std::string& written : file.libraries)
       for (const std::string& name : library_names(written, *assets))
         if (seen.insert(name).second)
-          read_library(name, *assets, check, file.materials, library, out, path);
+          read_library(name, *assets, check, file.materials, library, out, path, warnings);
   }
   if (!file.has_triangles) {
     warnings.add("no faces: there is nothing to see");

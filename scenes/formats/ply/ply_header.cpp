@@ -65,8 +65,18 @@ class HeaderReader {
       comment();
     else if (in_.is_past_end())
       throw in_.error(in_.quoted_word(), kKeywords);
+    else if (is_like_property())
+      repair(kKeywords, "it is taken for 'property'"), property();
     else if (keyword != "obj_info")
       repair(kKeywords, "the line is left out");
+  }
+
+  /// Whether what follows the keyword is what follows 'property': its numbers are in the data.
+  bool is_like_property() const {
+    TokenReader line = in_;
+    const std::string_view word = line.word();
+    return word == "list" || std::any_of(kTypes.begin(), kTypes.end(),
+                                         [&](const auto& known) { return word == known.first; });
   }
 
   void repair(const char* expected, const char* taken) {

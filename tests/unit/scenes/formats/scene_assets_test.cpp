@@ -1,4 +1,7 @@
 // Files beside a scene: which may be read, and what becomes of those that cannot be.
+#include <fmt/format.h>
+
+#include "scenes/import/warnings.h"
 #include "tests/unit/scenes/formats/read_scene_fixture.h"
 
 namespace tessera {
@@ -6,6 +9,13 @@ namespace {
 
 using testing::ReadScene;
 namespace fs = std::filesystem;
+
+TEST_F(ReadScene, ManyMissingLibrariesAreAListOfLimitedLength) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) text += fmt::format("mtllib m{}.mtl\n", i);
+  const LoadedScene loaded = read_scene(write("many.obj", text + kTriangle));
+  EXPECT_EQ(loaded.warnings.size(), Warnings::kMostEntries + 1);
+}
 
 TEST_F(ReadScene, LeavesOutInlinesThatCannotBeReadWhateverTheirFormat) {
   write("bad.obj", "v 0 0 0\nf 1 2 3\n");

@@ -83,6 +83,19 @@ TEST(Mtl, NamesWhatItDoesNotRead) {
           "t.mtl: material 'a b' comes twice; the first one is taken"}));
 }
 
+TEST(Mtl, ANumberOutsideItsRangeIsTheNearest) {
+  Warnings warnings;
+  const auto library = read("newmtl a\nd 5\nNs -1\nnewmtl b\nPr -1\nPm 7\n", warnings);
+  EXPECT_EQ(library.at("b").physical().metallic().value(), 1);
+  EXPECT_EQ(library.at("b").physical().roughness().value(), 0);
+  EXPECT_EQ(warnings.list("t.mtl"),
+            (std::vector<std::string>{
+                "t.mtl:2:3: d: '5'; expected a share of 0 to 1; 1 is taken",
+                "t.mtl:3:4: Ns: '-1'; expected an exponent of 0 or more; 0 is taken",
+                "t.mtl:5:4: Pr: '-1'; expected a share of 0 to 1; 0 is taken",
+                "t.mtl:6:4: Pm: '7'; expected a share of 0 to 1; 1 is taken"}));
+}
+
 using Image = v1::Texture::Image;
 
 TEST(Mtl, MakesOneTextureOfEachPictureAndItsOptions) {
@@ -214,7 +227,7 @@ TEST(Mtl, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(mtl_error("newmtl a\nmap_d -imfchan q a.png\n"),
             "t.mtl:2:16: 'q'; expected a channel: r, g, b, m, l or z");
   EXPECT_EQ(mtl_error("newmtl a\nNs nan\n"),
-            "t.mtl:2:4: 'nan'; expected an exponent that is finite");
+            "t.mtl:2:4: 'nan'; expected an exponent of 0 or more that is finite");
 }
 
 TEST(Mtl, AStatementThatCannotBeReadCostsNoOther) {

@@ -193,6 +193,8 @@ TEST(Obj, OnePartThatCannotBeReadDoesNotCostTheFile) {
       {"v 1 2\nf 1 2 4\n",
        "8:6: the line ends here; expected a coordinate; the faces there are left out"},
       {"v 1 2 3 x\n", "8:9: 'x'; expected a number; 1 is taken"},
+      {"v 1 2 3 .5 255 .5\n",
+       "8:18: 255 in a vertex's colour; expected a share of 0 to 1; 1 is taken"},
       {"vt x\n", "8:4: 'x'; expected a texture coordinate; 0 is taken"},
       {"vn 1 0\n", "8:7: the line ends here; expected a component of the normal; 0 is taken"},
       {"usemtl\n", "8:7: usemtl without a name; expected a material's name; grey is taken"},

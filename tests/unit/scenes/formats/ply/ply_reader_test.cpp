@@ -239,19 +239,23 @@ TEST(Ply, OnePartThatCannotBeReadDoesNotCostTheFile) {
 }
 
 TEST(Ply, OneOddLineOfAHeaderDoesNotCostTheFile) {
-  const std::string head = "element vertex 3\n" + kXyz +
-                           "units mm\nelement face 1\nproperty list float int vertex_index\n";
-  std::string text = header("ascii", head) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const std::string head =
+      "element vertex 3\n" + kXyz +
+      "properti float q\nunits mm\nelement face 1\nproperty list float int vertex_index\n";
+  std::string text = header("ascii", head) + "0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n";
   text.replace(text.find("1.0"), 3, "1.1");
   const Mesh mesh = read(text);
   EXPECT_EQ(mesh.triangles, (Indices{0, 1, 2}));
   EXPECT_EQ(mesh.warnings,
             (std::vector<std::string>{
                 "t.ply:2:14: '1.1'; expected version 1.0; it is read as that",
-                "t.ply:8:1: 'units'; expected format, element, property, comment or end_header; "
+                "t.ply:8:1: 'properti'; expected format, element, property, comment or end_header; "
+                "it is taken for 'property'",
+                "t.ply:9:1: 'units'; expected format, element, property, comment or end_header; "
                 "the line is left out",
-                "t.ply:10:15: 'float'; expected a type of whole numbers; it is taken all the "
-                "same"}));
+                "t.ply:11:15: 'float'; expected a type of whole numbers; it is taken all the "
+                "same",
+                "t.ply: property 'q' of 'vertex' is not read"}));
 }
 
 TEST(Ply, OneOddValueDoesNotCostTheFile) {
