@@ -213,7 +213,7 @@ class Network(Limits):
             if command[2] == "add" and done.returncode == 0:
                 self.addCleanup(subprocess.run, ["ip", "netns", "del", space], check=False)
             if done.returncode != 0:
-                self.skipTest(f"{' '.join(command)}: {done.stderr.strip()}")
+                self.skipTest(f"a network of its own is not permitted here: {' '.join(command)}: {done.stderr.strip()}")
         return ("ip", "netns", "exec", space)
 
     def picture_inside(self, prefix, service, workers):

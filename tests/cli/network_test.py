@@ -409,7 +409,7 @@ class Names(ServiceTest):
         for command in setup:
             done = subprocess.run([*self.inside, *command.split()], capture_output=True, text=True)
             if done.returncode != 0:
-                self.skipTest(f"{command}: {done.stderr.strip()}")
+                self.skipTest(f"such a network is not permitted here: {command}: {done.stderr.strip()}")
         self.said = self.folder / "said.json"
         self.say(unknown=True)
         names = subprocess.Popen(

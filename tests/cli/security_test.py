@@ -443,7 +443,7 @@ class KeyedFarm(TesseraTest):
         for step in steps:
             done = ip(*step)
             if done.returncode != 0:
-                self.skipTest(f"ip {' '.join(step)}: {done.stderr}")
+                self.skipTest(f"a network of its own is not permitted here: ip {' '.join(step)}: {done.stderr}")
         inside = [("ip", "netns", "exec", space) for space in spaces]
         self.serve(bind="tcp://10.231.77.1:7117", prefix=inside[0])
         self.assertEqual("tcp://10.231.77.1:7117", self.endpoint)

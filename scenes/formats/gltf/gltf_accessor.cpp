@@ -85,7 +85,7 @@ GltfAccessor::Rows GltfAccessor::rows(GltfFile& file, const GltfValue& holder, s
   const size_t room =
       offset > held || held - offset < row_size ? 0 : (held - offset - row_size) / stride + 1;
   if (count > room)
-    throw holder.error(fmt::format("{} rows, of which its buffer view holds {}", count, room),
+    throw holder.error(fmt::format("{} rows in a buffer view that holds {}", count, room),
                        "rows that it holds");
   return {view.bytes.data() + std::min<uint64_t>(offset, held), stride};
 }

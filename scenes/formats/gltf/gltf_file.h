@@ -59,7 +59,7 @@ class GltfFile {
   void keep_problem(const Error& error) {
     if (!problem_) problem_ = error;
   }
-  /// The first that was kept: what a file is refused for of which nothing is left.
+  /// The first that was kept: why a file is refused when nothing of it is left.
   const std::optional<Error>& problem() const { return problem_; }
   /// Counts what is read of the file: its parts may refer to each other again and again, so that a
   /// small file could ask for more than any machine has. Throws beyond kMostRead.

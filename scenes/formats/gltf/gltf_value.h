@@ -19,7 +19,7 @@ struct GltfText {
   std::string name;         ///< of the file
   std::string_view text{};  ///< empty in a .glb, whose JSON is no text with lines
   Warnings warnings{};
-  std::set<std::string> told{};  ///< the repairs of `warnings`, each of which is told once
+  std::set<std::string> told{};  ///< the repairs of `warnings`, each told once
   int errors = 0;                ///< that were made, so that not all look for their place
 };
 

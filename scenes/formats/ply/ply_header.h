@@ -36,7 +36,7 @@ struct PlyHeader {
 };
 
 /// Reads the header of a PLY file (Turk 1994). No element's count is more than one above what the
-/// bytes that follow have room for. A line that is none of a header's is left out with a warning.
+/// bytes that follow can hold. A line that is none of a header's is left out with a warning.
 /// Throws scene_error with the place of what nothing can be read without.
 PlyHeader read_ply_header(std::string_view bytes, const std::string& name, Warnings& warnings);
 

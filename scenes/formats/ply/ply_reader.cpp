@@ -155,10 +155,10 @@ class PlyMesh {
 
   uint64_t list_count(const PlyProperty& list) {
     const double count = in_.value(*list.count_type);
-    const uint64_t room = in_.room(list.type);
-    if (!(count >= 0 && count <= static_cast<double>(room)) || count != std::floor(count))
+    const uint64_t most = in_.most_values(list.type);
+    if (!(count >= 0 && count <= static_cast<double>(most)) || count != std::floor(count))
       throw error(fmt::format("a list '{}' of ", list.name), fmt::format("{}", count),
-                  fmt::format("a count of at most {}, for which the file has room", room));
+                  fmt::format("a count of at most {}, which the file can hold", most));
     return static_cast<uint64_t>(count);
   }
 

@@ -28,8 +28,8 @@ class PlyText {
   void skip(PlyType /*type*/) {
     if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a number");
   }
-  /// How many more values the file has room for.
-  uint64_t room(PlyType /*type*/) const { return in_.remaining() / 2 + 1; }
+  /// How many more values the file can hold.
+  uint64_t most_values(PlyType /*type*/) const { return in_.remaining() / 2 + 1; }
   /// Whether anything is left that was not read.
   bool has_more() const { return !TokenReader(in_).word().empty(); }
   /// What messages say of what was `found` in a row.
@@ -53,7 +53,7 @@ class PlyBinary {
 
   double value(PlyType type) { return any_value(type); }
   void skip(PlyType type) { any_value(type); }
-  uint64_t room(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
+  uint64_t most_values(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
   bool has_more() const { return at_ < bytes_.size(); }
   std::string told(std::string_view row, std::string_view found) const {
     return fmt::format("{}{} (before byte {})", row, found, at_);

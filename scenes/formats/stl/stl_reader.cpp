@@ -123,21 +123,21 @@ bool are_triangles(std::string_view bytes, size_t first) {
 /// is another number because the file was cut short, or its header never completed.
 size_t triangles_to_read(std::string_view bytes, const std::string& name, Warnings& warnings) {
   const size_t announced = announced_triangles(bytes);
-  const size_t room = (bytes.size() - kDataBegin) / kRecord;
+  const size_t held = (bytes.size() - kDataBegin) / kRecord;
   const bool is_filled = (bytes.size() - kDataBegin) % kRecord == 0;
-  if (announced == room && is_filled) return announced;
-  const bool has_more = announced < room && (is_filled || announced == 0);
-  if (announced <= room && !(has_more && are_triangles(bytes, announced))) {
+  if (announced == held && is_filled) return announced;
+  const bool has_more = announced < held && (is_filled || announced == 0);
+  if (announced <= held && !(has_more && are_triangles(bytes, announced))) {
     warnings.add("what follows the last triangle is not read");
     return announced;
   }
   const std::string found = fmt::format(
       "{}{} triangles in the header",
       says_solid(bytes) ? "'solid', but zeros behind it as in binary files, and " : "", announced);
-  const std::string expected = fmt::format("{}, for which the file has room", room);
+  const std::string expected = fmt::format("{}, which the file can hold", held);
   if (!are_triangles(bytes, 0)) throw scene_error({name}, found, expected);
   warnings.repair(found, expected, "those are read", [&] { return SourcePlace{name}; });
-  return room;
+  return held;
 }
 
 void read_binary(std::string_view bytes, const std::string& name, StlMesh& mesh,

@@ -18,10 +18,10 @@ TEST(Gltf, HoldsCountsAgainstTheBytesThatAreThere) {
   };
   EXPECT_EQ(
       error(file(accessor(0, 5126, 5, "VEC3"))),
-      "t.gltf: accessors/0: 5 rows, of which its buffer view holds 4; expected rows that it holds");
+      "t.gltf: accessors/0: 5 rows in a buffer view that holds 4; expected rows that it holds");
   EXPECT_EQ(
       error(file(accessor(0, 5126, 4, "VEC3", R"(,"byteOffset":4)"))),
-      "t.gltf: accessors/0: 4 rows, of which its buffer view holds 3; expected rows that it holds");
+      "t.gltf: accessors/0: 4 rows in a buffer view that holds 3; expected rows that it holds");
   EXPECT_EQ(error(file(R"({"componentType":5126,"type":"VEC3","count":1000000000000})")),
             "t.gltf: accessors/0/count: 1000000000000 zeros; expected at most 16777216");
   EXPECT_EQ(error(file(accessor(0, 5126, 4, "MAT4"))),
@@ -163,7 +163,7 @@ TEST(Gltf, OneOddAttributeCostsThatAttribute) {
       {R"("bufferView":1,"componentType":5126)", R"("bufferView":1,"componentType":99)",
        "accessors/1/componentType: 99; expected 5120 to 5123, 5125 or 5126; it is left out"},
       {R"("bufferView":1,)", R"("bufferView":9,)", "expected 0 to 5"},
-      {R"("bufferView":1,)", R"("bufferView":2,)", "which its buffer view holds 2; expected rows"},
+      {R"("bufferView":1,)", R"("bufferView":2,)", "in a buffer view that holds 2; expected rows"},
       {R"("TEXCOORD_0":2)", R"("TEXCOORD_0":-3)", "TEXCOORD_0: -3; expected a whole number"},
       {R"("COLOR_0":3)", R"("COLOR_0":2)", "COLOR_0: rows of 2; expected 4 numbers a row"},
   };

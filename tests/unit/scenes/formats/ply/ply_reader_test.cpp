@@ -179,7 +179,7 @@ TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
                        "element face 1\nproperty list uint int vertex_indices\n") +
             face.text),
       "t.ply: a list 'vertex_indices' of 2147483647 (before byte 229); expected a count of at "
-      "most 0, for which the file has room");
+      "most 0, which the file can hold");
   EXPECT_TRUE(read(header("ascii", "element nothing 18446744073709551615\n")).triangles.empty());
 }
 
@@ -190,8 +190,8 @@ TEST(Ply, WhatIsWholeOfAFileThatIsCutShortIsRead) {
   const Mesh by_text = read(text);
   EXPECT_EQ(by_text.triangles, (Indices{0, 1, 2, 0, 2, 3}));
   EXPECT_EQ(by_text.warnings,
-            std::vector<std::string>{"t.ply:17:1: 3; expected a count of at most 2, for which the "
-                                     "file has room; what is whole before it is read"});
+            std::vector<std::string>{"t.ply:17:1: 3; expected a count of at most 2, which the "
+                                     "file can hold; what is whole before it is read"});
   Bytes data{false};
   for (int i = 0; i < 9; ++i) data.put(static_cast<float>(i * i));
   data.put(uint8_t{3}).put(0).put(1).put(2);

@@ -106,7 +106,7 @@ TEST(Stl, SaysWhatIsWrongWithAHeaderThatSaysSolid) {
   EXPECT_EQ(read(damaged).warnings,
             std::vector<std::string>{
                 "t.stl: 'solid', but zeros behind it as in binary files, and 16843009 triangles in "
-                "the header; expected 2, for which the file has room; those are read"});
+                "the header; expected 2, which the file can hold; those are read"});
   std::string wide;
   for (const char c : "solid x\n" + facet("0 0 0", "1 0 0", "1 1 0")) wide += {c, '\0'};
   for (const std::string& bytes : {wide, "\xFF\xFE" + wide})
@@ -159,15 +159,15 @@ TEST(Stl, TheNumberOfTrianglesMayBeWrong) {
     EXPECT_EQ(mesh.positions, kSquarePoints) << count;
     EXPECT_EQ(mesh.warnings,
               std::vector<std::string>{"t.stl: " + std::to_string(count) +
-                                       " triangles in the header; expected 2, for which the file "
-                                       "has room; those are read"});
+                                       " triangles in the header; expected 2, which the file "
+                                       "can hold; those are read"});
   }
   const std::string whole = binary("", kSquare);
   const Mesh cut = read(whole.substr(0, whole.size() - 1));
   EXPECT_EQ(cut.triangles, (Indices{0, 1, 2}));
   EXPECT_EQ(cut.warnings,
-            std::vector<std::string>{"t.stl: 2 triangles in the header; expected 1, for which the "
-                                     "file has room; those are read"});
+            std::vector<std::string>{"t.stl: 2 triangles in the header; expected 1, which the "
+                                     "file can hold; those are read"});
   const std::string text = "as long as one more triangle, but no numbers at all";
   EXPECT_EQ(read(whole + text.substr(0, 50)).positions, kSquarePoints);
   EXPECT_EQ(read(whole + text.substr(0, 50)).warnings,
