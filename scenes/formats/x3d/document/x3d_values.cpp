@@ -206,6 +206,25 @@ Color X3dValues::color(const X3dNode& node, std::string_view name, const Color& 
   return v.empty() ? otherwise : clamped({v[0], v[1], v[2]}, node, name);
 }
 
+std::vector<size_t> X3dValues::runs(const X3dNode& node, std::string_view name, size_t least,
+                                    size_t points) const {
+  const Integers counts = integers(node, name);
+  std::vector<size_t> begins{0};
+  for (size_t i = 0; i < counts.values.size(); ++i) {
+    const size_t left = points - begins.back(),
+                 given = static_cast<size_t>(std::max(counts.values[i], 0));
+    if (given < least || given > left) {
+      repair(counts.offsets[i],
+             fmt::format("{} {} of {}, which has {} points left", name, counts.values[i],
+                         describe(node), left),
+             fmt::format("{} or more, and no more than are left", least),
+             "the points there are taken");
+    }
+    begins.push_back(begins.back() + std::min(given, left));
+  }
+  return begins;
+}
+
 std::vector<Color> X3dValues::colors(const X3dNode& node, std::string_view name) const {
   const auto v = numbers(node, name, 3);
   std::vector<Color> out;

@@ -58,6 +58,10 @@ class X3dValues {
     std::vector<uint32_t> offsets;
   };
   Integers integers(const X3dNode& node, std::string_view name) const;
+  /// A list of counts that divides `points` points: where each run begins, and where the last one
+  /// ends. A run of fewer than `least`, or of more than are left, has those that are there.
+  std::vector<size_t> runs(const X3dNode& node, std::string_view name, size_t least,
+                           size_t points) const;
   std::vector<Color> colors(const X3dNode& node, std::string_view name) const;
 
   const X3dDocument& document() const { return document_; }

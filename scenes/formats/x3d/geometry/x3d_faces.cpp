@@ -77,20 +77,8 @@ class FaceReader {
 
   template <typename Action>
   void for_each_count(const char* name, const Action& action) {
-    const auto counts = values_.integers(node_, name);
-    size_t begin = 0;
-    for (size_t i = 0; i < counts.values.size(); ++i) {
-      const size_t left = coordinates_ - begin,
-                   given = static_cast<size_t>(std::max(counts.values[i], 0));
-      if (given < 3 || given > left)
-        values_.repair(counts.offsets[i],
-                       fmt::format("{} {} of {}, which has {} points left", name, counts.values[i],
-                                   describe(node_), left),
-                       "3 or more, and no more than are left", "the points there are taken");
-      const size_t count = std::min(given, left);
-      action(begin, begin + count);
-      begin += count;
-    }
+    const std::vector<size_t> begins = values_.runs(node_, name, 3, coordinates_);
+    for (size_t i = 0; i + 1 < begins.size(); ++i) action(begins[i], begins[i + 1]);
   }
 
   static std::vector<size_t> range(size_t begin, size_t end) {

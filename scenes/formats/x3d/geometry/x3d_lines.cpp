@@ -35,20 +35,10 @@ class LineBuilder {
   }
 
   void add_counted() {
-    const auto counts = values_.integers(node_, "vertexCount");
-    size_t begin = 0;
-    for (size_t k = 0; k < counts.values.size(); ++k) {
-      const size_t left = coordinates_.size() / 3 - begin,
-                   given = static_cast<size_t>(std::max(counts.values[k], 0));
-      if (given < 2 || given > left)
-        values_.repair(counts.offsets[k],
-                       fmt::format("vertexCount {} of {}, which has {} points left",
-                                   counts.values[k], describe(node_), left),
-                       "2 or more, and no more than are left", "the points there are taken");
-      const size_t count = std::min(given, left);
-      for (size_t i = begin; i + 1 < begin + count; ++i) add_line(i, i + 1, i, i + 1, k);
-      begin += count;
-    }
+    const std::vector<size_t> begins =
+        values_.runs(node_, "vertexCount", 2, coordinates_.size() / 3);
+    for (size_t k = 0; k + 1 < begins.size(); ++k)
+      for (size_t i = begins[k]; i + 1 < begins[k + 1]; ++i) add_line(i, i + 1, i, i + 1, k);
   }
 
   void add_indexed() {
