@@ -299,7 +299,8 @@ def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
 
 def read_image(path: Path) -> Image:
     """The picture in a file as linear light: whole numbers are taken for sRGB, as most files hold;
-    floats are light.
+    floats are light. Where there is alpha it is what the picture shows before black. Of EXR the
+    pixels in the display window are read, those of the crop if it was one.
 
     Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and
     SceneError for a file that holds no picture."""

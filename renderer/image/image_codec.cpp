@@ -62,7 +62,7 @@ bool is_plausible(const ImageRequest& request, const ImageReply& reply) {
     return reply.payload_bytes <= most_encoded_bytes(request.layout.bytes());
   }
   if (request.call == ImageRequest::decode_all) {
-    return reply.layout.is_legal(PixelLayout::kMostChannels) && reply.layout.bits == 32 &&
+    return reply.layout.is_legal(PixelLayout::kMostChannels) &&
            reply.payload_bytes == reply.layout.bytes();
   }
   return reply.layout.is_legal() && reply.layout.bytes() == reply.payload_bytes;

@@ -316,8 +316,16 @@ FloatImage read_image(const fs::path& path) {
                    .channels = answer.names,
                    .values = {},
                    .meaning = answer.meaning};
-  image.values.resize(answer.layout.bytes() / sizeof(float));
-  std::memcpy(image.values.data(), answer.payload->data(), answer.layout.bytes());
+  const std::span<const std::byte> samples = *answer.payload;
+  const size_t bytes = static_cast<size_t>(answer.layout.bits) / 8;
+  image.values.resize(samples.size() / bytes);
+  constexpr size_t kAtOnce = size_t{1} << 18;
+  for_each_piece_parallel(image.values.size(), kAtOnce, core_count(),
+                          [&](size_t begin, size_t end) {
+                            samples_to_floats(samples.subspan(begin * bytes, (end - begin) * bytes),
+                                              static_cast<uint32_t>(answer.layout.bits),
+                                              std::span(image.values).subspan(begin, end - begin));
+                          });
   image.channels.resize(static_cast<size_t>(answer.layout.channels));
   return image;
 }
@@ -327,6 +335,7 @@ std::vector<float> linear_light(const FloatImage& image) {
   const auto order = used.in_order();
   const auto count = used.count();
   const bool is_grey = used.kind == ColorChannels::Kind::grey;
+  const bool needs_alpha = used.alpha && !image.meaning.is_associated;
   const size_t pixels = image.values.size() / image.channels.size();
   std::vector<float> light(3 * pixels);
   constexpr size_t kPixelsAtOnce = size_t{1} << 16;
@@ -342,8 +351,9 @@ std::vector<float> linear_light(const FloatImage& image) {
     if (used.kind == ColorChannels::Kind::luminance_chroma) luminance_chroma_to_rgb(colors, count);
     decode_samples(colors, count, image.meaning, SampleEncoding::automatic);
     for (size_t pixel = begin; pixel < end; ++pixel) {
-      for (size_t i = 0; i < 3; ++i)
-        light[3 * pixel + i] = colors[(pixel - begin) * count + (is_grey ? 0 : i)];
+      const float* const color = &colors[(pixel - begin) * count];
+      const float alpha = needs_alpha ? color[count - 1] : 1;
+      for (size_t i = 0; i < 3; ++i) light[3 * pixel + i] = alpha * color[is_grey ? 0 : i];
     }
   });
   return light;

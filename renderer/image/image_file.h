@@ -26,7 +26,8 @@ struct ImageMetadata {
 };
 
 /// A picture read back: rows from the top, for each pixel a float of each channel, numbers as the
-/// file has them (integers divided by their largest value, no transfer curve undone).
+/// file has them (integers divided by their largest value, no transfer curve undone). Of OpenEXR
+/// the pixels in the display window, those of the crop if it was one.
 struct FloatImage {
   int width = 0, height = 0;
   std::vector<std::string> channels;  ///< their names, at least one
@@ -34,8 +35,8 @@ struct FloatImage {
   SampleMeaning meaning{};  ///< of its colours
 };
 
-/// Red, green and blue of the picture as linear light, colours multiplied by alpha where the file
-/// has them so.
+/// Red, green and blue of the picture as linear light: what it shows before black, so that alpha
+/// tells as much whether or not the file has its colours multiplied by it.
 std::vector<float> linear_light(const FloatImage& image);
 
 /// The colour and coverage of a picture (color_channels_of()) as textures hold them: rows from the

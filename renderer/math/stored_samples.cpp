@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string_view>
 #include <utility>
 
@@ -159,6 +160,17 @@ ColorChannels color_channels_of(std::span<const std::string> names) {
   if (others.size() >= 3) out.kind = ColorChannels::Kind::rgb;
   for (size_t i = 0; i < (others.size() >= 3 ? 3 : 1); ++i) out.colors[i] = others[i];
   return out;
+}
+
+void samples_to_floats(std::span<const std::byte> samples, uint32_t bits, std::span<float> floats) {
+  if (bits == 32) std::memcpy(floats.data(), samples.data(), floats.size_bytes());
+  for (size_t i = 0; bits == 8 && i < floats.size(); ++i)
+    floats[i] = static_cast<float>(samples[i]) / 255;
+  for (size_t i = 0; bits == 16 && i < floats.size(); ++i) {
+    uint16_t half = 0;
+    std::memcpy(&half, &samples[i * sizeof half], sizeof half);
+    floats[i] = half_to_float(half);
+  }
 }
 
 void luminance_chroma_to_rgb(std::span<float> pixels, uint32_t channels) {

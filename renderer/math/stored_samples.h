@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -35,6 +36,10 @@ struct ColorChannels {
 /// the first three channels, or the first one of fewer, are the colour. Words count as well: red,
 /// green, blue, alpha, grey, gray, I. `names` must not be empty.
 ColorChannels color_channels_of(std::span<const std::string> names);
+
+/// Makes floats of numbers of 8 bits, which are divided by 255, of half floats (16 bits) or of
+/// floats (32 bits). `samples` has as many as `floats`.
+void samples_to_floats(std::span<const std::byte> samples, uint32_t bits, std::span<float> floats);
 
 /// Makes red, green and blue of the first three of each pixel's `channels` floats, which are Y, RY
 /// and BY, with the primaries of Rec. ITU-R BT.709.

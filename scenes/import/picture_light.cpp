@@ -16,21 +16,6 @@
 namespace tessera {
 namespace {
 
-void copy_as_floats(const DecodedTexture& picture, std::span<float> floats) {
-  const std::byte* const from = picture.texels->data();
-  for (size_t i = 0; i < floats.size(); ++i) {
-    if (picture.bits == 8) {
-      floats[i] = static_cast<float>(from[i]) / 255;
-    } else if (picture.bits == 16) {
-      uint16_t half = 0;
-      std::memcpy(&half, from + i * sizeof half, sizeof half);
-      floats[i] = half_to_float(half);
-    } else {
-      std::memcpy(&floats[i], from + i * sizeof(float), sizeof(float));
-    }
-  }
-}
-
 constexpr float kLargestHalf = 65504;
 
 float mended(float number) { return std::isnan(number) ? 0 : std::copysign(kLargestHalf, number); }
@@ -75,7 +60,7 @@ void decode_picture(DecodedTexture& picture, SampleEncoding encoding) {
   if (stays) return;
   std::vector<std::byte> bytes(picture.texels->size() / (picture.bits / 8) * sizeof(float));
   const std::span floats(reinterpret_cast<float*>(bytes.data()), bytes.size() / sizeof(float));
-  copy_as_floats(picture, floats);
+  samples_to_floats(*picture.texels, picture.bits, floats);
   constexpr size_t kPixelsAtOnce = size_t{1} << 16;
   const size_t channels = picture.channels;
   for_each_piece_parallel(

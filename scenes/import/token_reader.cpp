@@ -17,9 +17,9 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f' |
 }  // namespace
 
 std::string_view TokenReader::word() {
-  while (at_ < text_.size() && is_space(text_[at_])) ++at_;
+  while (at_ < end_ && is_space(text_[at_])) ++at_;
   word_ = at_;
-  while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
+  while (at_ < end_ && !is_space(text_[at_])) ++at_;
   return text_.substr(word_, at_ - word_);
 }
 
@@ -33,6 +33,17 @@ std::string_view TokenReader::rest_of_line() {
   if (text_.substr(at_).starts_with("\r\n")) ++at_;
   if (at_ < text_.size()) ++at_;
   return rest;
+}
+
+void TokenReader::enter_line() {
+  while (at_ < text_.size() && is_space(text_[at_])) ++at_;
+  end_ = at_;
+  while (end_ < text_.size() && !is_line_end(text_[end_])) ++end_;
+}
+
+void TokenReader::leave_line() {
+  at_ = end_;
+  end_ = text_.size();
 }
 
 double TokenReader::number() {
@@ -62,7 +73,7 @@ std::string TokenReader::quoted_word() const {
   constexpr size_t kLongestShown = 40;
   size_t stop = word_;
   while (stop < text_.size() && !is_space(text_[stop])) ++stop;
-  if (stop == word_) return "the file ends here";
+  if (stop == word_) return word_ == text_.size() ? "the file ends here" : "the line ends here";
   const std::string_view word = text_.substr(word_, std::min(stop - word_, kLongestShown));
   return fmt::format("'{}{}'", to_utf8(word), stop - word_ > kLongestShown ? "..." : "");
 }

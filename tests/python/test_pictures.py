@@ -225,6 +225,30 @@ def stored_pictures(monkeypatch):
     return importlib.import_module("stored_pictures")
 
 
+@pytest.fixture
+def stored_rows(stored_pictures):  # which adds the folder
+    """Files of every kind of sample, each with the colour and coverage that it holds."""
+    rows = importlib.import_module("stored_samples_test")
+    return [row for row in (*rows.integer_rows(), *rows.float_rows()) if not row.encoding]
+
+
+def test_a_picture_is_its_light_before_black(tmp_path, stored_rows):
+    assert len(stored_rows) > 100
+    for row in stored_rows:
+        (tmp_path / row.name).write_bytes(row.data)
+        pixel = ts.read_image(tmp_path / row.name).linear[0, 0]
+        assert pixel == pytest.approx(row.over(0), abs=row.near), row.name
+
+
+def test_a_picture_has_the_pixels_of_its_display_window(tmp_path, stored_pictures):
+    channels = dict.fromkeys("RGB", lambda x, y: 10 * y + x)
+    for data, rows in (((1, 0, 2, 1), [[1, 2], [11, 12]]), ((-2, -1, 0, 9), [[0], [10]]),
+                       ((2, 1, 5, 3), [[12]]), ((7, 0, 8, 0), [[7, 8]])):
+        part = stored_pictures.exr(channels, data=data, display=(0, 0, 2, 1))
+        (tmp_path / "part.exr").write_bytes(part)
+        assert ts.read_image(tmp_path / "part.exr").linear[:, :, 0].tolist() == rows
+
+
 def test_codes_of_any_depth_are_light(tmp_path, stored_pictures):
     color = (188 / 255, 128 / 255, 64 / 255)
     lit = [ts._core.srgb_to_linear(code) for code in color]

@@ -189,50 +189,50 @@ SampleMeaning meaning_of(const std::string& format, const OIIO::ImageSpec& spec,
           .is_associated = used.alpha.has_value() && is_associated(format, spec)};
 }
 
-ImageAnswer decode_all(const std::string& format, int file) {
-  const auto input = open(format, file);
-  const OIIO::ImageSpec& spec = input->spec();
-  ImageAnswer answer{{spec.width, spec.height, spec.nchannels, 32}, {}};
-  read_pixels(*input, OIIO::TypeDesc::FLOAT, 0, answer);
-  const std::vector<std::string> names = channel_names(format, spec);
-  answer.names = joined(names);
-  answer.meaning = meaning_of(format, spec, color_channels_of(names));
-  return answer;
-}
+/// Channels of a file, nothing for one that it lacks.
+using Order = std::vector<std::optional<uint32_t>>;
+
+/// Which pixels of OpenEXR are a picture's.
+enum class Extent {
+  display,  ///< the display window; those that the file lacks are black and clear
+  crop,     ///< those that the file has in it
+};
 
 /// The type of the fewest bits that holds all of the channels.
-OIIO::TypeDesc type_of(const OIIO::ImageSpec& spec, const ColorChannels& used) {
-  const auto channels = used.in_order();
+OIIO::TypeDesc type_of(const OIIO::ImageSpec& spec, const Order& channels) {
   const auto all_are = [&](OIIO::TypeDesc type) {
     return std::all_of(channels.begin(), channels.end(), [&](const auto& channel) {
       return !channel || spec.channelformat(static_cast<int>(*channel)) == type;
     });
   };
-  if (used.kind == ColorChannels::Kind::luminance_chroma) return OIIO::TypeDesc::FLOAT;
   if (all_are(OIIO::TypeDesc::UINT8)) return OIIO::TypeDesc::UINT8;
   // Integers of 16 bits are more than half floats hold.
   return all_are(OIIO::TypeDesc::HALF) ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
 }
 
-/// Where a texture's texels lie in the pixels of its file.
+/// Where the pixels of a picture lie in those of its file.
 struct Window {
   int x = 0, y = 0;  ///< of the first pixel that the file has
   int width = 0, height = 0;
 };
 
-/// The display window of OpenEXR, whose pixels are black and clear where the file lacks them; the
-/// data window where it has nothing in common with that.
-Window window_of(const std::string& format, const OIIO::ImageSpec& spec, int channels, int bits) {
+/// The window of that extent; all of the file's pixels where none of them is in its display window.
+Window window_of(const std::string& format, const OIIO::ImageSpec& spec, Extent extent,
+                 int channels, int bits) {
   const Window data{0, 0, spec.width, spec.height};
   if (format != "openexr") return data;
   const Window shown{spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
   const bool overlap = shown.x < shown.width && shown.y < shown.height && shown.x > -spec.width &&
                        shown.y > -spec.height;
-  return overlap && PixelLayout{shown.width, shown.height, channels, bits}.is_legal() ? shown
-                                                                                      : data;
+  if (!overlap) return data;
+  if (extent == Extent::crop) {
+    const int x = std::min(shown.x, 0), y = std::min(shown.y, 0);
+    return {x, y, std::min(spec.width + x, shown.width - shown.x + x),
+            std::min(spec.height + y, shown.height - shown.y + y)};
+  }
+  const PixelLayout layout{shown.width, shown.height, channels, bits};
+  return layout.is_legal() ? shown : data;
 }
-
-using Order = std::vector<std::optional<uint32_t>>;
 
 bool is_in_place(const Order& order, uint32_t first) {
   for (size_t i = 0; i < order.size(); ++i) {
@@ -271,6 +271,43 @@ void place_pixels(const ImageAnswer& read, uint32_t first, const Order& order, c
   }
 }
 
+/// Those channels of the picture, all of that type.
+ImageAnswer read_channels(OIIO::ImageInput& input, const std::string& format, Extent extent,
+                          const Order& order, OIIO::TypeDesc type) {
+  const OIIO::ImageSpec& spec = input.spec();
+  const int bits = static_cast<int>(type.basesize()) * 8;
+  uint32_t first = UINT32_MAX, last = 0;
+  for (const auto& channel : order) {
+    if (!channel) continue;
+    first = std::min(first, *channel);
+    last = std::max(last, *channel);
+  }
+  const int channels = static_cast<int>(order.size());
+  const Window window = window_of(format, spec, extent, channels, bits);
+  ImageAnswer answer{{window.width, window.height, channels, bits}, {}};
+  ImageAnswer read{{spec.width, spec.height, static_cast<int>(last - first) + 1, bits}, {}};
+  read_pixels(input, type, static_cast<int>(first), read);
+  if (is_in_place(order, first) && is_same(read.layout, answer.layout)) {
+    answer.payload = std::move(read.payload);
+  } else {
+    make_room(answer, PixelLayout::kMostChannels);
+    place_pixels(read, first, order, window, answer);
+  }
+  return answer;
+}
+
+ImageAnswer decode_all(const std::string& format, int file) {
+  const auto input = open(format, file);
+  const OIIO::ImageSpec& spec = input->spec();
+  const std::vector<std::string> names = channel_names(format, spec);
+  Order order;
+  for (uint32_t i = 0; i < names.size(); ++i) order.emplace_back(i);
+  ImageAnswer answer = read_channels(*input, format, Extent::crop, order, type_of(spec, order));
+  answer.names = joined(names);
+  answer.meaning = meaning_of(format, spec, color_channels_of(names));
+  return answer;
+}
+
 /// The channels of the parts of OpenEXR after the first, each as PART.CHANNEL. Leaves the first one
 /// selected.
 std::vector<std::string> channels_of_other_parts(const std::string& format,
@@ -294,27 +331,11 @@ ImageAnswer read_colors(OIIO::ImageInput& input, const std::string& format) {
   const OIIO::ImageSpec& spec = input.spec();
   const std::vector<std::string> names = channel_names(format, spec);
   const ColorChannels used = color_channels_of(names);
-  const OIIO::TypeDesc type = type_of(spec, used);
-  const int bits = static_cast<int>(type.basesize()) * 8;
-  const auto order = used.in_order();
-  uint32_t first = UINT32_MAX, last = 0;
-  for (const auto& channel : order) {
-    if (!channel) continue;
-    first = std::min(first, *channel);
-    last = std::max(last, *channel);
-  }
-  const int channels = static_cast<int>(used.count());
-  const Window window = window_of(format, spec, channels, bits);
-  ImageAnswer answer{{window.width, window.height, channels, bits}, {}};
-  ImageAnswer read{{spec.width, spec.height, static_cast<int>(last - first) + 1, bits}, {}};
-  read_pixels(input, type, static_cast<int>(first), read);
-  if (is_in_place(order, first) && is_same(read.layout, answer.layout)) {
-    answer.payload = std::move(read.payload);
-  } else {
-    make_room(answer, 4);
-    place_pixels(read, first, order, window, answer);
-  }
-  if (used.kind == ColorChannels::Kind::luminance_chroma) {
+  const Order order = used.in_order();
+  const bool has_chroma = used.kind == ColorChannels::Kind::luminance_chroma;
+  ImageAnswer answer = read_channels(input, format, Extent::display, order,
+                                     has_chroma ? OIIO::TypeDesc::FLOAT : type_of(spec, order));
+  if (has_chroma) {
     luminance_chroma_to_rgb(
         {reinterpret_cast<float*>(answer.payload.data()), answer.payload.size() / sizeof(float)},
         used.count());

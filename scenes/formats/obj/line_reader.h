@@ -49,8 +49,9 @@ class LineReader {
   /// 12 digits is kTooLarge, or its negative. Nothing where there is no digit.
   std::optional<int64_t> index();
   static constexpr int64_t kTooLarge = int64_t{1} << 40;
-  /// The character at the place, '\n' at the line's end.
-  char peek() const { return *at_; }
+  /// The character at the place, '\n' at the line's end; with `ahead` 1, where that is another, the
+  /// one after it.
+  char peek(size_t ahead = 0) const { return at_[ahead]; }
   void skip_char() { ++at_; }
   /// Whether a word ends here.
   bool at_word_end() const {

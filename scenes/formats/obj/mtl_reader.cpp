@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -126,7 +127,8 @@ class MtlReader {
     if (keyword == "d") {
       MtlEntry& target = entry();
       in_.at_line_end();
-      if (in_.peek() == '-') warnings_.add(fmt::format("d {} is read as plain d", in_.word()));
+      if (in_.peek() == '-' && std::isalpha(static_cast<unsigned char>(in_.peek(1))))
+        warnings_.add(fmt::format("d {} is read as plain d", in_.word()));
       target.numbers["d"] = share(keyword);
     } else if (keyword == "Tr" || keyword == "Pr" || keyword == "Pm" || keyword == "Pc" ||
                keyword == "Pcr") {
@@ -145,6 +147,9 @@ class MtlReader {
       const float whole = std::round(model);
       if (!(model >= 0 && model <= 10) || std::abs(model - whole) > kMtlRounding)
         throw in_.error(in_.quoted_word(), "an illumination model of 0 to 10");
+      if (whole == 10)
+        warnings_.add("illum 10: shadows that fall on something invisible are not read",
+                      [&] { return in_.place(); });
       entry().illumination = static_cast<int>(whole);
     } else {
       return false;

@@ -167,6 +167,13 @@ class HeaderReader {
 
 }  // namespace
 
+uint64_t PlyHeader::rows() const {
+  uint64_t count = 0;
+  for (const PlyElement& element : elements)
+    if (!element.properties.empty()) count += element.count;
+  return count;
+}
+
 size_t ply_size(PlyType type) {
   constexpr std::array<size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
   return kSizes[static_cast<size_t>(type)];

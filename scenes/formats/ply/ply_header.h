@@ -33,6 +33,9 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::string texture_file;  ///< of a line "comment TextureFile NAME", as scanners write
   size_t data_begin = 0;     ///< the byte after the header
+
+  /// How many rows all elements have that have any properties.
+  uint64_t rows() const;
 };
 
 /// Reads the header of a PLY file (Turk 1994). No element's count is more than one above what the

@@ -62,16 +62,32 @@ size_t slot_of(std::string_view name) {
   return kNone;
 }
 
-float color_value(double value, PlyType type, bool is_alpha) {
-  if (type >= PlyType::float32)
-    return is_alpha ? static_cast<float>(value) : vertex_light(value, VertexColorSource::ply_float);
-  const double largest = type == PlyType::uint8    ? 255
-                         : type == PlyType::uint16 ? 65535
-                         : type == PlyType::int8   ? 127
-                         : type == PlyType::int16  ? 32767
-                                                   : 4294967295.0;
-  const double share = std::clamp(value / largest, 0.0, 1.0);
-  return is_alpha ? static_cast<float>(share) : vertex_light(share, VertexColorSource::ply_integer);
+/// What stands for all of a channel.
+double all_of_channel(PlyType type) {
+  switch (type) {
+    case PlyType::int8:
+      return 127;
+    case PlyType::uint8:
+      return 255;
+    case PlyType::int16:
+      return 32767;
+    case PlyType::uint16:
+      return 65535;
+    case PlyType::int32:
+      return 2147483647;
+    case PlyType::uint32:
+      return 4294967295.0;
+    case PlyType::float32:
+    case PlyType::float64:
+      break;
+  }
+  return 1;
+}
+
+float color_value(double share, PlyType type, bool is_alpha) {
+  if (is_alpha) return static_cast<float>(share);
+  return vertex_light(share, type >= PlyType::float32 ? VertexColorSource::ply_float
+                                                      : VertexColorSource::ply_integer);
 }
 
 template <typename Source>
@@ -81,7 +97,7 @@ class PlyMesh {
 
   MeshData read(const PlyHeader& header) {
     for (size_t i = 0; i <= 255; ++i)
-      codes_[i] = color_value(static_cast<double>(i), PlyType::uint8, false);
+      codes_[i] = color_value(static_cast<double>(i) / 255, PlyType::uint8, false);
     std::vector<std::pair<const PlyElement*, Source>> before_vertices;
     bool is_whole = true;
     for (const PlyElement& element : header.elements) {
@@ -143,9 +159,22 @@ class PlyMesh {
     skip(element);
   }
 
+  template <typename Read>
+  void rows(const PlyElement& element, const Read& read) {
+    for (row_ = 0; row_ < element.count; ++row_) {
+      in_.begin_row();
+      read();
+      if (in_.has_more_in_row())
+        repair("", in_.shown(0), fmt::format("the end of a row of '{}'", element.name),
+               "what is left of the line is not read");
+      in_.end_row();
+    }
+  }
+
   void skip(const PlyElement& element) {
-    for (uint64_t row = 0; row < element.count; ++row)
+    rows(element, [&] {
       for (const PlyProperty& property : element.properties) skip(property);
+    });
   }
 
   void skip(const PlyProperty& property) {
@@ -156,10 +185,14 @@ class PlyMesh {
   uint64_t list_count(const PlyProperty& list) {
     const double count = in_.value(*list.count_type);
     const uint64_t most = in_.most_values(list.type);
-    if (!(count >= 0 && count <= static_cast<double>(most)) || count != std::floor(count))
-      throw error(fmt::format("a list '{}' of ", list.name), fmt::format("{}", count),
-                  fmt::format("a count of at most {}, which the file can hold", most));
-    return static_cast<uint64_t>(count);
+    if (count >= 0 && count <= static_cast<double>(most) && count == std::floor(count))
+      return static_cast<uint64_t>(count);
+    const std::string row = fmt::format("a list '{}' of ", list.name), found = in_.shown(count);
+    const std::string expected = fmt::format("a count of at most {}, which the {} can hold", most,
+                                             in_.has_row_ends() ? "line" : "file");
+    if (!in_.has_row_ends()) throw error(row, found, expected);
+    repair(row, found, expected, "the list is left out");
+    return 0;
   }
 
   void vertices(const PlyElement& element) {
@@ -182,7 +215,7 @@ class PlyMesh {
     const bool normals = has[kNx] && has[kNy] && has[kNz];
     const bool uvs = has[kU] && has[kV];
     const bool colors = has[kRed] && has[kGreen] && has[kBlue];
-    for (uint64_t row = 0; row < element.count; ++row) {
+    rows(element, [&] {
       std::array<float, kSlots> values{};
       values[kAlpha] = 1;
       vertex(element, slots, values);
@@ -193,19 +226,28 @@ class PlyMesh {
       if (normals) put(mesh_.normals, kNx, kNz);
       if (uvs) put(mesh_.uvs, kU, kV);
       if (colors) put(mesh_.colors, kRed, kAlpha);
-    }
+    });
   }
 
   void say_endless(size_t slot, double value) {
     constexpr const char* kExpected = "a finite number that single precision can hold";
     const bool is_position = slot <= kZ;
-    if (is_position && !problem_) problem_ = scene_error(in_.place(), in_.shown(value), kExpected);
-    warnings_.repair(in_.shown(value), kExpected,
+    const std::string found = in_.told("", in_.shown(value));
+    if (is_position && !problem_) problem_ = scene_error(in_.place(), found, kExpected);
+    warnings_.repair(found, kExpected,
                      is_position   ? "the faces there are left out"
                      : slot <= kNz ? "the face's own normal is taken"
                      : slot <= kV  ? "0 is taken"
                                    : "white is taken",
                      [&] { return in_.place(); });
+  }
+
+  double share(double value, PlyType type) {
+    const double all = all_of_channel(type), nearest = std::clamp(value, 0.0, all);
+    if (value != nearest)
+      warnings_.repair(in_.told("", in_.shown(value)), fmt::format("a colour of 0 to {}", all),
+                       fmt::format("{} is taken", nearest), [&] { return in_.place(); });
+    return nearest / all;
   }
 
   void vertex(const PlyElement& element, const std::vector<size_t>& slots,
@@ -228,7 +270,7 @@ class PlyMesh {
       else if (slot < kAlpha && property.type == PlyType::uint8 && value >= 0 && value <= 255)
         values[slot] = codes_[static_cast<size_t>(value)];
       else
-        values[slot] = color_value(value, property.type, slot == kAlpha);
+        values[slot] = color_value(share(value, property.type), property.type, slot == kAlpha);
     }
   }
 
@@ -247,8 +289,7 @@ class PlyMesh {
     if (list == element.properties.size())
       throw error("", fmt::format("'{}' without vertex_indices", element.name),
                   "a list of that name");
-    for (uint64_t row = 0; row < element.count; ++row) {
-      row_ = row;
+    rows(element, [&] {
       for (size_t p = 0; p < element.properties.size(); ++p) {
         if (p != list)
           skip(element.properties[p]);
@@ -257,10 +298,8 @@ class PlyMesh {
         else
           face(element.properties[p]);
       }
-    }
+    });
   }
-
-  std::string row_name(const char* what) const { return fmt::format("{} {}: ", what, row_ + 1); }
 
   /// Adds a corner to polygon_. False where there is no such vertex.
   bool corner(const PlyProperty& list, double value, std::string_view taken) {
@@ -269,7 +308,7 @@ class PlyMesh {
       polygon_.push_back(static_cast<uint32_t>(value));
       return true;
     }
-    repair(row_name("face"), fmt::format("'{}' {}", list.name, value),
+    repair(fmt::format("face {}: '{}' ", row_ + 1, list.name), in_.shown(value),
            count == 0 ? std::string("a file with vertices")
                       : fmt::format("an index of 0 to {}", count - 1),
            taken);
@@ -301,7 +340,7 @@ class PlyMesh {
     const auto is_placed = [](const Vec3& p) { return is_finite(p); };
     if (problem_ && !std::all_of(points_.begin(), points_.end(), is_placed)) return;
     if (!triangulate(points_, triples_)) {
-      repair(row_name("face"), fmt::format("concave, with {} corners", count),
+      repair(fmt::format("face {}: ", row_ + 1), fmt::format("concave, with {} corners", count),
              fmt::format("at most {}", kMaxConcaveCorners), "it is left out");
       return;
     }
@@ -342,7 +381,7 @@ MeshData read_mesh(const PlyHeader& header, std::string_view bytes, const std::s
   static_assert(std::endian::native == std::endian::little);
   switch (header.encoding) {
     case PlyHeader::Encoding::ascii:
-      return PlyMesh(PlyText(bytes, name, header.data_begin), warnings).read(header);
+      return PlyMesh(PlyText(bytes, name, header), warnings).read(header);
     case PlyHeader::Encoding::little_endian:
       return PlyMesh(PlyBinary<false>(bytes, name, header.data_begin), warnings).read(header);
     case PlyHeader::Encoding::big_endian:

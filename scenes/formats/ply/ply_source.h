@@ -13,24 +13,36 @@
 
 namespace tessera {
 
-/// The values of a PLY file's rows as text.
+/// The values of a PLY file's rows as text. Programs write each row into a line of its own. Where
+/// a file has as many lines as rows, a line that has a value too many or too few is that row's
+/// trouble alone; in any other file values follow one another whatever the lines are.
 class PlyText {
  public:
-  PlyText(std::string_view bytes, const std::string& name, size_t begin)
-      : in_(bytes, name, begin) {}
+  PlyText(std::string_view bytes, const std::string& name, const PlyHeader& header)
+      : in_(bytes, name, header.data_begin),
+        has_line_for_each_row_(count_lines() == header.rows()) {}
 
-  /// NaN for what is no number.
+  void begin_row() {
+    if (has_line_for_each_row_) in_.enter_line();
+  }
+  void end_row() {
+    if (has_line_for_each_row_) in_.leave_line();
+  }
+  /// Whether the row's end is known without having read its values.
+  bool has_row_ends() const { return has_line_for_each_row_; }
+  /// Whether the row has values that were not read. Goes to the first.
+  bool has_more_in_row() { return has_line_for_each_row_ && !in_.word().empty(); }
+  /// NaN for what is no number, and for what is not in the row's line.
   double value(PlyType /*type*/) {
     const double value = in_.number();
-    if (in_.is_past_end()) throw in_.error(in_.quoted_word(), "a number");
+    if (in_.is_past_end() && !has_line_for_each_row_)
+      throw in_.error(in_.quoted_word(), "a number");
     return value;
   }
-  void skip(PlyType /*type*/) {
-    if (in_.word().empty()) throw in_.error(in_.quoted_word(), "a number");
-  }
-  /// How many more values the file can hold.
-  uint64_t most_values(PlyType /*type*/) const { return in_.remaining() / 2 + 1; }
-  /// Whether anything is left that was not read.
+  void skip(PlyType type) { value(type); }
+  /// How many more values the file can hold, or the row's line.
+  uint64_t most_values(PlyType /*type*/) const { return (in_.remaining() + 1) / 2; }
+  /// Whether anything is left that was not read after the last row.
   bool has_more() const { return !TokenReader(in_).word().empty(); }
   /// What messages say of what was `found` in a row.
   std::string told(std::string_view /*row*/, std::string_view found) const {
@@ -41,7 +53,18 @@ class PlyText {
   std::string shown(double /*value*/) const { return in_.quoted_word(); }
 
  private:
+  uint64_t count_lines() const {
+    TokenReader in = in_;
+    uint64_t count = 0;
+    for (in.enter_line(); in.remaining() > 0; in.enter_line()) {
+      in.leave_line();
+      ++count;
+    }
+    return count;
+  }
+
   TokenReader in_;
+  bool has_line_for_each_row_;
 };
 
 /// The same in binary; `kSwap` where the file's order of bytes is not this machine's.
@@ -51,6 +74,10 @@ class PlyBinary {
   PlyBinary(std::string_view bytes, std::string name, size_t begin)
       : bytes_(bytes), name_(std::move(name)), at_(begin) {}
 
+  void begin_row() {}
+  void end_row() {}
+  bool has_row_ends() const { return false; }
+  bool has_more_in_row() const { return false; }
   double value(PlyType type) { return any_value(type); }
   void skip(PlyType type) { any_value(type); }
   uint64_t most_values(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
@@ -59,7 +86,7 @@ class PlyBinary {
     return fmt::format("{}{} (before byte {})", row, found, at_);
   }
   SourcePlace place() const { return {name_}; }
-  std::string shown(double value) const { return fmt::format("{} (before byte {})", value, at_); }
+  std::string shown(double value) const { return fmt::format("{}", value); }
 
  private:
   template <typename Number>

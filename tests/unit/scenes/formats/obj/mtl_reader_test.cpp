@@ -230,6 +230,21 @@ TEST(Mtl, SaysWhereAndWhatIsWrong) {
             "t.mtl:2:4: 'nan'; expected an exponent of 0 or more that is finite");
 }
 
+TEST(Mtl, WhatIsNotReadOfAStatementIsTold) {
+  const auto told = [](const std::string& statement) {
+    Warnings warnings;
+    read("newmtl a\n" + statement, warnings);
+    return warnings.list("t.mtl");
+  };
+  using Told = std::vector<std::string>;
+  EXPECT_FLOAT_EQ(classic("d -halo .25\n").transparency().value(), .75f);
+  EXPECT_EQ(told("d -halo .25\n"), Told{"t.mtl: d -halo is read as plain d"});
+  EXPECT_FLOAT_EQ(classic("d -1\n").transparency().value(), 1);
+  EXPECT_EQ(told("d -1\n"), Told{"t.mtl:2:3: d: '-1'; expected a share of 0 to 1; 0 is taken"});
+  EXPECT_EQ(told("illum 10\n"),
+            Told{"t.mtl:2:7: illum 10: shadows that fall on something invisible are not read"});
+}
+
 TEST(Mtl, AStatementThatCannotBeReadCostsNoOther) {
   Warnings warnings;
   const auto materials = read("newmtl a\nKd 0,5 1 1\nKs .1 .2 .3\nnewmtl b\nKd 1 0 0\n", warnings);

@@ -1,5 +1,6 @@
 #include "scenes/formats/ply/ply_reader.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -139,11 +140,10 @@ TEST(Ply, ReadsFacesThatComeBeforeTheVertices) {
       (Indices{0, 1, 2}));
   const Mesh odd = read(header("ascii", elements) + "3 0 1 2\n3 0 4 3\n3 1 2 3\n" + kSquare);
   EXPECT_EQ(odd.triangles, (Indices{0, 1, 2, 1, 2, 3}));
-  EXPECT_EQ(odd.warnings,
-            std::vector<std::string>{"t.ply:14:5: 'vertex_indices' 4; expected an index of 0 to 3; "
-                                     "the face is left out"});
+  EXPECT_EQ(odd.warnings, std::vector<std::string>{"t.ply:14:5: '4'; expected an index of 0 to 3; "
+                                                   "the face is left out"});
   EXPECT_EQ(error(header("ascii", "element face 1\n" + kFace) + "3 0 1 2\n"),
-            "t.ply:7:3: 'vertex_indices' 0; expected a file with vertices");
+            "t.ply:7:3: '0'; expected a file with vertices");
 }
 
 TEST(Ply, ShowsThePictureThatACommentNames) {
@@ -190,7 +190,7 @@ TEST(Ply, WhatIsWholeOfAFileThatIsCutShortIsRead) {
   const Mesh by_text = read(text);
   EXPECT_EQ(by_text.triangles, (Indices{0, 1, 2, 0, 2, 3}));
   EXPECT_EQ(by_text.warnings,
-            std::vector<std::string>{"t.ply:17:1: 3; expected a count of at most 2, which the "
+            std::vector<std::string>{"t.ply:17:1: '3'; expected a count of at most 1, which the "
                                      "file can hold; what is whole before it is read"});
   Bytes data{false};
   for (int i = 0; i < 9; ++i) data.put(static_cast<float>(i * i));
@@ -215,14 +215,10 @@ TEST(Ply, OnePartThatCannotBeReadDoesNotCostTheFile) {
     const char *vertex, *face, *more, *warning;
   };
   const std::vector<Case> cases{
-      {"0 1 0", "3 1 2 9", "",
-       ":16:7: 'vertex_indices' 9; expected an index of 0 to 3; the face is left out"},
-      {"0 1 0", "3 1 -2 3", "",
-       ":16:5: 'vertex_indices' -2; expected an index of 0 to 3; the face is left out"},
-      {"0 1 0", "3 1 1.5 3", "",
-       ":16:5: 'vertex_indices' 1.5; expected an index of 0 to 3; the face is left out"},
-      {"0 1 0", "3 1 x 3", "",
-       ":16:5: 'vertex_indices' nan; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 2 9", "", ":16:7: '9'; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 -2 3", "", ":16:5: '-2'; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 1.5 3", "", ":16:5: '1.5'; expected an index of 0 to 3; the face is left out"},
+      {"0 1 0", "3 1 x 3", "", ":16:5: 'x'; expected an index of 0 to 3; the face is left out"},
       {"0 x 0", "3 1 2 3", "",
        ":14:3: 'x'; expected a finite number that single precision can hold; the faces there are "
        "left out"},
@@ -294,11 +290,77 @@ TEST(Ply, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error(head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"),
             "t.ply:12:3: 'nan'; expected a finite number that single precision can hold");
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
-            "t.ply:14:7: 'vertex_indices' 3; expected an index of 0 to 2");
+            "t.ply:14:7: '3'; expected an index of 0 to 2");
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1.5 2\n"),
-            "t.ply:14:5: 'vertex_indices' 1.5; expected an index of 0 to 2");
+            "t.ply:14:5: '1.5'; expected an index of 0 to 2");
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1"),
-            "t.ply:14:6: the file ends here; expected a number");
+            "t.ply:14:1: '3'; expected a count of at most 2, which the line can hold");
+  EXPECT_EQ(error(head + "0 0 0 1 0 0\n0 1 0 3\n0 1"),
+            "t.ply:12:7: '3'; expected a count of at most 2, which the file can hold")
+      << "fewer lines than rows";
+}
+
+TEST(Ply, AValueTooManyOrTooFewCostsItsLineAlone) {
+  const std::string head =
+      header("ascii", "element vertex 5\n" + kXyz + "element edge 1\nproperty int v\n" +
+                          "element face 2\nproperty int id\n" + kFace);
+  const auto warning = [](const std::vector<std::string>& warnings, size_t i) {
+    return i < warnings.size() ? warnings[i] : "none";
+  };
+  struct Case {
+    const char *vertex, *face, *warning;
+  };
+  const std::vector<Case> cases{
+      {"7 7", "9 3 0 1 2",
+       ":19:4: the line ends here; expected a finite number that single "
+       "precision can hold; the faces there are left out"},
+      {"7 7 7 7 7", "9 3 0 1 2",
+       ":19:7: '7'; expected the end of a row of 'vertex'; what is left of the line is not read"},
+      {"7 7 7", "9 3 0 1 2 3 4",
+       ":21:11: '3'; expected the end of a row of 'face'; what is left of the line is not read"},
+      {"7 7 7", "9 3 0 1\n",
+       ":21:3: '3'; expected a count of at most 2, which the line can hold; the "
+       "list is left out"},
+      {"7 7 7", "9",
+       ":21:2: the line ends here; expected a count of at most 0, which the line can hold; the "
+       "list is left out"},
+      {"7 7 7", "9 -3 0 1 2",
+       ":21:3: '-3'; expected a count of at most 3, which the line can hold; the list is left out"},
+  };
+  for (const Case& c : cases) {
+    const Mesh mesh = read(head + "0 0 0\n1 0 0\r\n\n1 1 0 \n0 1 0\n" + c.vertex + "\n5 6 7\n" +
+                           c.face + "\n9 3 0 2 3\n");
+    ASSERT_GE(mesh.triangles.size(), 3u) << c.vertex << ", " << c.face;
+    EXPECT_EQ(Indices(mesh.triangles.end() - 3, mesh.triangles.end()), (Indices{0, 2, 3}));
+    EXPECT_EQ(
+        std::count(mesh.warnings.begin(), mesh.warnings.end(), std::string("t.ply") + c.warning), 1)
+        << c.warning << "\n"
+        << warning(mesh.warnings, 0) << "\n"
+        << warning(mesh.warnings, 3);
+  }
+  // Lines that are not rows: values follow one another.
+  const Mesh mesh = read(header("ascii", "element vertex 4\n" + kXyz + "element face 1\n" + kFace) +
+                         "0 0 0 1 0 0 1 1 0\n0 1 0 4 0\n1 2 3\n");
+  EXPECT_EQ(mesh.triangles.size(), 6u);
+  EXPECT_TRUE(mesh.warnings.empty());
+}
+
+TEST(Ply, ColoursOutsideTheirRangeAreTold) {
+  for (const auto& [type, values, expected, taken] :
+       std::vector<std::array<std::string, 4>>{{"float", "0 -.5 1", "-.5", "1"},
+                                               {"float", "0 1.5 1", "1.5", "1"},
+                                               {"int", "0 -7 1", "-7", "2147483647"},
+                                               {"uchar", "0 256 1", "256", "255"}}) {
+    const Mesh mesh = read(header("ascii", "element vertex 3\n" + kXyz + "property " + type +
+                                               " red\nproperty " + type + " green\nproperty " +
+                                               type + " blue\nelement face 1\n" + kFace) +
+                           "0 0 0 0 0 0\n1 0 0 0 0 0\n0 1 0 " + values + "\n3 0 1 2\n");
+    const bool is_below = expected[0] == '-';
+    EXPECT_EQ(mesh.colors.at(9), is_below ? 0 : 1);
+    EXPECT_EQ(mesh.warnings, std::vector<std::string>{fmt::format(
+                                 "t.ply:16:9: '{}'; expected a colour of 0 to {}; {} is taken",
+                                 expected, taken, is_below ? "0" : taken)});
+  }
 }
 
 }  // namespace
