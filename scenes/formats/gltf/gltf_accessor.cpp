@@ -54,10 +54,9 @@ size_t GltfAccessor::size_of(Component component) {
 GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& value) : value_(value) {
   constexpr std::array<std::string_view, 4> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
   component_ = component_of(value_["componentType"]);
-  const std::string type = value_["type"].text("");
-  const auto found = std::find(kTypes.begin(), kTypes.end(), type);
-  if (found == kTypes.end())
-    throw value_["type"].error(fmt::format("'{}'", type), "SCALAR, VEC2, VEC3 or VEC4");
+  const GltfValue type = value_["type"];
+  const auto found = std::find(kTypes.begin(), kTypes.end(), type.text(""));
+  if (found == kTypes.end()) throw type.error(type.shown(), "SCALAR, VEC2, VEC3 or VEC4");
   components_ = static_cast<size_t>(found - kTypes.begin()) + 1;
   normalized_ = value_["normalized"].flag(false) && component_ != Component::float32;
   const uint64_t count = value_["count"].required_whole();

@@ -177,9 +177,10 @@ void GltfFile::parse() {
   if (!json_->is_object()) throw root().error("no JSON object", "the JSON of a glTF file");
 }
 
-/// The JSON with null for each number that is not finite: NaN and Infinity, which some programs
-/// write and JSON has no words for, and what double precision cannot hold.
-std::string GltfFile::without_endless_numbers() {
+/// The JSON with each number that is not finite in quotes, so that it counts as a value of the
+/// wrong type: NaN and Infinity, which some programs write and JSON has no words for, and what
+/// double precision cannot hold.
+std::string GltfFile::without_endless_numbers() const {
   std::string out;
   bool is_quoted = false;
   for (size_t at = 0; at < json_text_.size();) {
@@ -195,13 +196,7 @@ std::string GltfFile::without_endless_numbers() {
       const auto [stop, problem] = read_decimal(rest.data(), rest.data() + length, number);
       const bool is_whole = stop == rest.data() + length && problem != std::errc::invalid_argument;
       if (is_whole && (problem != std::errc() || !std::isfinite(number))) {
-        const std::string_view before = json_text_.substr(0, at);
-        text_.warnings.repair(std::string(rest.substr(0, length)), "a finite number",
-                              "it is left out", [&] {
-                                return text_.text.empty() ? SourcePlace{text_.name}
-                                                          : place_behind(text_.name, before);
-                              });
-        out += "null";
+        out += fmt::format("\"{}\"", rest.substr(0, length));
         at += length;
         continue;
       }
@@ -279,7 +274,7 @@ std::string_view GltfFile::buffer(size_t index) {
   const GltfValue value = element("buffers", index);
   const GltfValue uri = value["uri"];
   std::string_view bytes = binary_;
-  if (uri) {
+  if (!uri.text("").empty()) {
     std::optional<std::string>& held = buffers_[index];
     try {
       if (!held) held = load(uri);

@@ -73,7 +73,7 @@ class GltfFile {
  private:
   void read_container(std::string_view bytes);
   void parse();
-  std::string without_endless_numbers();
+  std::string without_endless_numbers() const;
   std::string_view buffer(size_t index);
   std::string load(const GltfValue& uri);
 

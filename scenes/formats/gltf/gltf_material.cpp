@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <vector>
 
 #include "renderer/math/elementary.h"
@@ -15,6 +14,10 @@ namespace {
 using Image = v1::Texture::Image;
 
 double share(const GltfValue& value, double without) { return value.number_within(without, 0, 1); }
+
+std::vector<double> base_color(const GltfValue& pbr) {
+  return pbr["baseColorFactor"].numbers({1, 1, 1, 1}, 0, 1);
+}
 
 /// The objects of a material that refer to textures, the most visible first.
 std::vector<GltfValue> texture_infos(const GltfValue& in) {
@@ -66,15 +69,11 @@ size_t GltfMaterials::choose_uv_set(const GltfValue& in) {
   return chosen.value_or(0);
 }
 
-void GltfMaterials::color(const GltfValue& factor, double without, const GltfValue& info,
+void GltfMaterials::color(const std::vector<double>& factor, const GltfValue& info,
                           v1::ColorInput* out) {
-  const auto given = factor.numbers(factor.size() == 4 ? 4 : 3);
-  std::vector<double> rgb = given.value_or(std::vector<double>(3, without));
-  if (given)
-    for (size_t i = 0; i < 3; ++i) rgb[i] = factor.at(i).amount(0);
-  out->mutable_value()->set_r(rgb[0]);
-  out->mutable_value()->set_g(rgb[1]);
-  out->mutable_value()->set_b(rgb[2]);
+  out->mutable_value()->set_r(factor[0]);
+  out->mutable_value()->set_g(factor[1]);
+  out->mutable_value()->set_b(factor[2]);
   out->set_texture(textures_.use(info, Image::ENCODING_SRGB));
 }
 
@@ -89,7 +88,7 @@ v1::Material GltfMaterials::convert(const GltfValue& in) {
   v1::Material out;
   const GltfValue pbr = in["pbrMetallicRoughness"];
   if (in["extensions"]["KHR_materials_unlit"]) {
-    color(pbr["baseColorFactor"], 1, pbr["baseColorTexture"], out.mutable_unlit()->mutable_color());
+    color(base_color(pbr), pbr["baseColorTexture"], out.mutable_unlit()->mutable_color());
   } else {
     physical(in, out);
   }
@@ -107,7 +106,7 @@ v1::Material GltfMaterials::convert(const GltfValue& in) {
 void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
   const GltfValue pbr = in["pbrMetallicRoughness"], extensions = in["extensions"];
   v1::Physical& made = *out.mutable_physical();
-  color(pbr["baseColorFactor"], 1, pbr["baseColorTexture"], made.mutable_base_color());
+  color(base_color(pbr), pbr["baseColorTexture"], made.mutable_base_color());
   const GltfValue packed = pbr["metallicRoughnessTexture"];
   number(pbr["metallicFactor"], 1, packed, v1::FloatInput::BLUE, made.mutable_metallic());
   number(pbr["roughnessFactor"], 1, packed, v1::FloatInput::GREEN, made.mutable_roughness());
@@ -116,15 +115,11 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
     if (share(occlusion["strength"], 1) < 1 - 1e-6)
       warnings_.add("an occlusionTexture's strength is taken as 1");
   }
-  const GltfValue glow = in["emissiveFactor"];
-  if (glow) {
-    color(glow, 0, in["emissiveTexture"], made.mutable_emission());
+  if (const GltfValue factor = in["emissiveFactor"]) {
+    std::vector<double> glow = factor.numbers({0, 0, 0}, 0, 1);
     const GltfValue strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"];
-    const double times = strength.amount(1);
-    v1::Color& value = *made.mutable_emission()->mutable_value();
-    value.set_r(value.r() * times);
-    value.set_g(value.g() * times);
-    value.set_b(value.b() * times);
+    for (double& part : glow) part *= strength.amount(1);
+    color(glow, in["emissiveTexture"], made.mutable_emission());
   }
   layers(extensions, made);
 }
@@ -132,27 +127,28 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
 void GltfMaterials::layers(const GltfValue& extensions, v1::Physical& out) {
   if (const GltfValue index = extensions["KHR_materials_ior"]["ior"]) {
     // 0 asks for full reflection at every angle; the largest index there is comes nearest.
-    constexpr double kEndless = 1e6, kNoBound = std::numeric_limits<double>::infinity();
-    out.set_refractive_index(index.number(1.5) == 0 ? kEndless
-                                                    : index.number_within(1.5, 1, kNoBound));
+    constexpr double kEndless = 1e6;
+    out.set_refractive_index(
+        index.number(1.5) == 0 ? kEndless : index.number_within(1.5, 1, GltfValue::kMost));
   }
   const GltfValue clear = extensions["KHR_materials_transmission"];
   const GltfValue volume = extensions["KHR_materials_volume"];
   if (clear) {
     number(clear["transmissionFactor"], 0, clear["transmissionTexture"], v1::FloatInput::RED,
            out.mutable_transmission());
-    out.set_thin(volume["thicknessFactor"].number(0) <= 0);
+    out.set_thin(volume["thicknessFactor"].amount(0) == 0);
   }
-  const GltfValue tint = volume["attenuationColor"];
-  const double distance = volume["attenuationDistance"].number(0);
-  if (const auto rgb = tint.numbers(3); rgb && distance > 0) {
+  const GltfValue tint = volume["attenuationColor"], reach = volume["attenuationDistance"];
+  const auto distance = reach.above_zero();
+  if (tint && distance) {
     constexpr double kDarkest = 1e-6;
+    const auto rgb = tint.numbers({1, 1, 1}, 0, 1);
     const auto absorption = [&](double c) {
-      return -portable::log(std::clamp(c, kDarkest, 1.0)) / distance;
+      return -portable::log(std::max(c, kDarkest)) / *distance;
     };
-    out.mutable_absorption()->set_r(absorption((*rgb)[0]));
-    out.mutable_absorption()->set_g(absorption((*rgb)[1]));
-    out.mutable_absorption()->set_b(absorption((*rgb)[2]));
+    out.mutable_absorption()->set_r(absorption(rgb[0]));
+    out.mutable_absorption()->set_g(absorption(rgb[1]));
+    out.mutable_absorption()->set_b(absorption(rgb[2]));
   }
   if (const GltfValue coat = extensions["KHR_materials_clearcoat"]) {
     number(coat["clearcoatFactor"], 0, coat["clearcoatTexture"], v1::FloatInput::RED,
@@ -185,12 +181,11 @@ void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base, v1::Mat
   } else if (name == "BLEND") {
     out.set_alpha(v1::Material::ALPHA_BLEND);
   } else {
-    mode.repair(fmt::format("'{}'", name), "OPAQUE, MASK or BLEND", "OPAQUE is taken");
+    mode.repair(mode.shown(), "OPAQUE, MASK or BLEND", "OPAQUE is taken");
     out.set_alpha(v1::Material::ALPHA_OPAQUE);
     return;
   }
-  if (const GltfValue factor = base["baseColorFactor"]; factor.size() == 4)
-    out.mutable_opacity()->set_value(share(factor.at(3), 1));
+  if (base["baseColorFactor"]) out.mutable_opacity()->set_value(base_color(base)[3]);
 }
 
 }  // namespace tessera

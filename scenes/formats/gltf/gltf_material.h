@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "scenes/formats/gltf/gltf_file.h"
 #include "scenes/import/loaded_scene.h"
@@ -71,7 +72,7 @@ class GltfMaterials {
   void layers(const GltfValue& extensions, v1::Physical& out);
   void coverage(const GltfValue& in, const GltfValue& base, v1::Material& out);
   size_t choose_uv_set(const GltfValue& in);
-  void color(const GltfValue& factor, double without, const GltfValue& info, v1::ColorInput* out);
+  void color(const std::vector<double>& factor, const GltfValue& info, v1::ColorInput* out);
   void number(const GltfValue& factor, double without, const GltfValue& info,
               v1::FloatInput::Channel channel, v1::FloatInput* out);
 

@@ -85,7 +85,7 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
 }
 
 size_t GltfMeshes::number_of(const GltfValue& weights) {
-  Weights given = weights.numbers(weights.size()).value_or(Weights{});
+  Weights given = weights.numbers(Weights(weights.size()));
   if (std::all_of(given.begin(), given.end(), [](double weight) { return weight == 0; }))
     given.clear();
   const auto [at, is_new] = weights_.try_emplace(std::move(given), by_number_.size());

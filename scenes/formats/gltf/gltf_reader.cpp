@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "base/file.h"
 #include "renderer/math/elementary.h"
@@ -43,13 +44,18 @@ void put(const Vec3& from, v1::Vec3* to) {
   to->set_z(from.z);
 }
 
-Affine rotation_of(const GltfValue& value, const std::vector<double>& q) {
+Affine rotation_of(const GltfValue& value) {
+  constexpr double kRounding = 1e-3;  // of the decimals that programs write
+  const std::vector<double> q = value.numbers({0, 0, 0, 1});
   const double x = q[0], y = q[1], z = q[2], w = q[3];
-  const double squared = x * x + y * y + z * z + w * w;
-  if (!(squared > 1e-12 && squared < 1e12)) {
-    value.repair("a quaternion of no length", "a unit one", "the node is not turned");
+  const double squared = x * x + y * y + z * z + w * w, length = std::sqrt(squared);
+  if (squared < std::numeric_limits<double>::min()) {
+    value.repair("a quaternion of length 0", "a unit one", "the node is not turned");
     return {};
   }
+  if (std::abs(length - 1) > kRounding)
+    value.repair(fmt::format("a quaternion of length {:.4g}", length), "a unit one",
+                 "its direction is taken");
   const double s = 2 / squared;
   Affine r;
   r.m[0] = {1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0};
@@ -58,10 +64,11 @@ Affine rotation_of(const GltfValue& value, const std::vector<double>& q) {
   return r;
 }
 
-/// A matrix whose last row is 0 0 0 1 but for what rounding makes of products of single precision;
-/// nothing for others.
-std::optional<Affine> affine_of(const std::vector<double>& columns) {
+/// The matrix with 0 0 0 1 for its last row, in silence where that is but for what rounding makes
+/// of products of single precision.
+Affine affine_of(const GltfValue& value) {
   constexpr double kRounding = 1e-5;
+  const auto columns = value.numbers({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
   Affine out;
   double largest = 1;  // of the 3x3 part
   for (size_t i = 0; i < columns.size(); ++i) {
@@ -70,26 +77,41 @@ std::optional<Affine> affine_of(const std::vector<double>& columns) {
     if (i < 12) largest = std::max(largest, std::abs(columns[i]));
   }
   for (size_t i = 3; i < columns.size(); i += 4)
-    if (!(std::abs(columns[i] - (i == 15 ? 1 : 0)) <= kRounding * largest)) return std::nullopt;
+    if (!(std::abs(columns[i] - (i == 15 ? 1 : 0)) <= kRounding * largest))
+      value.repair(fmt::format("a last row of {} {} {} {}", columns[3], columns[7], columns[11],
+                               columns[15]),
+                   "0 0 0 1", "that is taken");
   return out;
 }
 
-/// Nothing where no transform is given that can be shown.
-std::optional<Affine> transform_of(const GltfValue& node) {
-  if (const auto columns = node["matrix"].numbers(16)) {
-    const auto out = affine_of(*columns);
-    if (!out)
-      node["matrix"].repair("a last row other than 0 0 0 1", "an affine matrix",
-                            "the node and what is below it are left out");
-    return out;
+Affine transform_of(const GltfValue& node) {
+  constexpr size_t kNumbers = 16;
+  const GltfValue matrix = node["matrix"];
+  if (matrix.size() >= kNumbers) {
+    if (node["translation"] || node["rotation"] || node["scale"])
+      node.repair("a matrix beside translation, rotation or scale", "one or the other",
+                  "the matrix is taken");
+    return affine_of(matrix);
   }
+  if (matrix.size() > 0)
+    matrix.repair(fmt::format("an array of {}", matrix.size()), "16 numbers", "it is left out");
   const auto vec = [&](const char* key, double without) {
-    const auto v = node[key].numbers(3).value_or(std::vector<double>(3, without));
+    const auto v = node[key].numbers({without, without, without});
     return Vec3{v[0], v[1], v[2]};
   };
-  const auto turn = node["rotation"].numbers(4);
-  return translation(vec("translation", 0)) *
-         (turn ? rotation_of(node["rotation"], *turn) : Affine{}) * scaling(vec("scale", 1));
+  const Affine shift = translation(vec("translation", 0)), turn = rotation_of(node["rotation"]);
+  return shift * turn * scaling(vec("scale", 1));
+}
+
+/// The size of a camera's angle or window. One below 0, with which the picture would be mirrored,
+/// loses its sign.
+std::optional<double> size_of(const GltfValue& value, double beyond, std::string_view expected) {
+  const double number = value.number(0);
+  if (number > 0 && number < beyond) return number;
+  const bool is_mirrored = number < 0 && -number < beyond;
+  value.repair(value.shown(), expected,
+               is_mirrored ? fmt::format("{} is taken", -number) : "the camera is left out");
+  return is_mirrored ? std::optional(-number) : std::nullopt;
 }
 
 class GltfReader {
@@ -232,9 +254,7 @@ class GltfReader {
         continue;
       }
       seen_[place.node] = true;
-      const auto own = transform_of(in);
-      if (!own) continue;
-      place.world = place.world * *own;
+      place.world = place.world * transform_of(in);
       if (!is_finite(place.world)) {
         in.repair("a transform beyond all numbers", "a smaller one",
                   "the node and what is below it are left out");
@@ -292,30 +312,37 @@ class GltfReader {
 
   /// The projection of a camera; false where it shows nothing.
   static bool project(const GltfValue& in, v1::Camera& out) {
-    constexpr const char* kLeftOut = "the camera is left out";
-    const std::string type = in["type"].text("");
-    if (type == "orthographic") {
-      const GltfValue values = in["orthographic"];
-      // A negative one would mirror the picture, which glTF advises against.
-      const double x = std::abs(values["xmag"].number(0)), y = std::abs(values["ymag"].number(0));
+    // Beyond, rounding would make 180 degrees of it.
+    constexpr double kWidest = portable::kPi - 1e-15;
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    const GltfValue type = in["type"];
+    const std::string name = type.text("");
+    const GltfValue values = in[name.c_str()];
+    if (name == "orthographic") {
+      const auto x = size_of(values["xmag"], kEndless, "a number above 0");
+      const auto y = size_of(values["ymag"], kEndless, "a number above 0");
+      if (!x || !y) return false;
       v1::Orthographic& window = *out.mutable_orthographic();
-      window.set_min_x(-x);
-      window.set_max_x(x);
-      window.set_min_y(-y);
-      window.set_max_y(y);
-      if (x > 0 && y > 0) return true;
-      values.repair(fmt::format("xmag {}, ymag {}", x, y), "numbers other than 0", kLeftOut);
-    } else if (type == "perspective") {
-      const GltfValue angle = in["perspective"]["yfov"];
-      const double degrees = portable::degrees(std::abs(angle.number(0)));
-      out.mutable_perspective()->set_field_of_view(degrees);
+      window.set_min_x(-*x);
+      window.set_max_x(*x);
+      window.set_min_y(-*y);
+      window.set_max_y(*y);
+    } else if (name == "perspective") {
+      const auto angle = size_of(values["yfov"], kWidest, "a number above 0 and below pi");
+      if (!angle) return false;
+      out.mutable_perspective()->set_field_of_view(portable::degrees(*angle));
       out.mutable_perspective()->set_axis(v1::Perspective::VERTICAL);
-      if (degrees > 0 && degrees < 180) return true;
-      angle.repair(fmt::format("{} degrees", degrees), "more than 0 and less than 180", kLeftOut);
     } else {
-      in["type"].repair(fmt::format("'{}'", type), "perspective or orthographic", kLeftOut);
+      type.repair(type.shown(), "perspective or orthographic", "the camera is left out");
+      return false;
     }
-    return false;
+    // What changes nothing of the picture.
+    for (const char* key : {"aspectRatio", "zfar"}) values[key].above_zero();
+    if (name == "perspective")
+      values["znear"].above_zero();
+    else
+      values["znear"].amount(0);
+    return true;
   }
 
   void camera(size_t index, const GltfValue& node, const Affine& world) {
@@ -340,28 +367,31 @@ class GltfReader {
   static bool aim(const GltfValue& in, v1::Light::Spot& out) {
     constexpr double kWidest = portable::kPi / 2;
     const double outer = in["outerConeAngle"].number_within(portable::kPi / 4, 0, kWidest);
-    const double inner = in["innerConeAngle"].number_within(0, 0, outer);
-    out.set_beam_width(portable::degrees(inner));
+    if (outer == 0) {
+      in.repair("a cone of no width", "an outerConeAngle above 0", "the light is left out");
+      return false;
+    }
+    out.set_beam_width(portable::degrees(in["innerConeAngle"].number_within(0, 0, outer)));
     out.set_cut_off(portable::degrees(outer));
-    if (outer > 0) return true;
-    in.repair("a cone of no width", "an outerConeAngle above 0", "the light is left out");
-    return false;
+    return true;
   }
 
   /// Candela and lux against the radiance of what is lit: a white Lambert surface sends out its
   /// irradiance over pi, while ours faces a light of intensity 1 and sends out 1.
   void light(const GltfValue& in, const std::string& node_name, const Affine& world) {
     v1::Light out;
-    if (in["color"].numbers(3)) {
-      out.mutable_color()->set_r(in["color"].at(0).amount(0));
-      out.mutable_color()->set_g(in["color"].at(1).amount(0));
-      out.mutable_color()->set_b(in["color"].at(2).amount(0));
+    if (const GltfValue color = in["color"]) {
+      const auto rgb = color.numbers({1, 1, 1}, 0, 1);
+      out.mutable_color()->set_r(rgb[0]);
+      out.mutable_color()->set_g(rgb[1]);
+      out.mutable_color()->set_b(rgb[2]);
     }
     out.set_intensity(in["intensity"].amount(1) / portable::kPi);
     Vec3 direction = world(Vec3{0, 0, -1});
-    if (!(length_squared(direction) > 0)) direction = {0, 0, -1};
+    if (direction == Vec3{}) direction = {0, 0, -1};
     const Vec3 position = world(Point3{}) - Point3{};
-    const std::string type = in["type"].text("");
+    const GltfValue kind = in["type"];
+    const std::string type = kind.text("");
     if (type == "directional") {
       put(normalize(direction), out.mutable_directional()->mutable_direction());
     } else if (type == "point") {
@@ -372,13 +402,12 @@ class GltfReader {
       put(normalize(direction), spot.mutable_direction());
       if (!aim(in["spot"], spot)) return;
     } else {
-      in["type"].repair(fmt::format("'{}'", type), "directional, point or spot",
-                        "the light is left out");
+      kind.repair(kind.shown(), "directional, point or spot", "the light is left out");
       return;
     }
     if (type != "directional") {
       out.mutable_attenuation()->set_quadratic(1);
-      if (const double range = in["range"].amount(0); range > 0) out.set_radius(range);
+      if (const auto range = in["range"].above_zero()) out.set_radius(*range);
     }
     out.set_name(unique_light_(in["name"].text(node_name.empty() ? "light" : node_name)));
     v1::Node& node = *out_.scene.add_nodes();

@@ -40,8 +40,8 @@ void GltfTextures::sample(const GltfValue& sampler, v1::Texture::Image& image) {
 /// runs up, so the matrix is turned over on both sides.
 void GltfTextures::place(const GltfValue& transform, v1::Texture& texture) {
   if (!transform) return;
-  const auto offset = transform["offset"].numbers(2).value_or(std::vector<double>{0, 0});
-  const auto scale = transform["scale"].numbers(2).value_or(std::vector<double>{1, 1});
+  const auto offset = transform["offset"].numbers({0, 0}),
+             scale = transform["scale"].numbers({1, 1});
   const double angle = std::fmod(transform["rotation"].number(0), 2 * portable::kPi);
   const double c = portable::cos(angle), s = portable::sin(angle);
   const double a = c * scale[0], b = s * scale[1], d = -s * scale[0], e = c * scale[1];
@@ -57,8 +57,8 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
   if (!is_new) return known->second;
   const GltfValue uri = image["uri"];
   std::optional<std::string> bytes;
-  if (uri) {
-    if (auto data = read_data_uri(uri.text(""))) {
+  if (const std::string text = uri.text(""); !text.empty()) {
+    if (auto data = read_data_uri(text)) {
       if (!data->problem.empty()) {
         uri.repair(data->problem, data->expected, kLeftOut);
         return "";

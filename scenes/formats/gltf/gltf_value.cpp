@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -80,10 +79,6 @@ class JsonScanner {
 /// How far single precision may move a number, of 1 or its own size.
 constexpr double kSinglePrecision = 1e-6;
 
-std::string type_name(const nlohmann::json& json) {
-  return fmt::format("a value of type {}", json.type_name());
-}
-
 }  // namespace
 
 std::pair<int, int> find_json_place(std::string_view text, std::string_view path) {
@@ -100,18 +95,25 @@ std::pair<int, int> find_json_place(std::string_view text, std::string_view path
   return {line, static_cast<int>(scanner.offset() - begin) + 1};
 }
 
+GltfValue GltfValue::step(const nlohmann::json* to, std::string path) const {
+  GltfValue value{to, text_, std::move(path)};
+  if (to && to->is_null()) {
+    value.leave_out("a value");
+    value.json_ = nullptr;
+  }
+  return value;
+}
+
 GltfValue GltfValue::operator[](const char* key) const {
   if (json_ && !json_->is_object()) leave_out("an object");
-  if (!json_ || !json_->is_object()) return {nullptr, text_, path_};
-  const auto found = json_->find(key);
-  const bool is_there = found != json_->end() && !found->is_null();
-  std::string path = path_.empty() ? key : fmt::format("{}/{}", path_, key);
-  return {is_there ? &*found : nullptr, text_, std::move(path)};
+  const bool is_object = json_ && json_->is_object();
+  const auto found = is_object ? json_->find(key) : nlohmann::json::const_iterator();
+  return step(is_object && found != json_->end() ? &*found : nullptr,
+              path_.empty() ? key : fmt::format("{}/{}", path_, key));
 }
 
 GltfValue GltfValue::at(size_t index) const {
-  const nlohmann::json& element = (*json_)[index];
-  return {element.is_null() ? nullptr : &element, text_, fmt::format("{}/{}", path_, index)};
+  return step(&(*json_)[index], fmt::format("{}/{}", path_, index));
 }
 
 size_t GltfValue::size() const {
@@ -128,28 +130,28 @@ std::vector<std::string> GltfValue::keys() const {
   return names;
 }
 
-double GltfValue::number(double without) const {
-  if (!json_) return without;
-  if (json_->is_number()) return json_->get<double>();
-  leave_out("a number");
-  return without;
-}
-
 double GltfValue::number_within(double without, double least, double most) const {
-  const double value = number(without);
-  if (value >= least && value <= most) return value;
-  const double nearest = value < least ? least : most;
+  if (!json_) return without;
+  if (!json_->is_number()) {
+    leave_out("a finite number");
+    return without;
+  }
+  const double value = json_->get<double>(), nearest = std::clamp(value, least, most);
   // Exporters count in single precision.
   if (std::abs(value - nearest) > kSinglePrecision * std::max(1.0, std::abs(nearest)))
-    repair(
-        fmt::format("{}", value),
-        std::isinf(most) ? fmt::format("{} or more", least) : fmt::format("{} to {}", least, most),
-        fmt::format("{} is taken", nearest));
+    repair(shown(),
+           std::abs(nearest) == kMost ? "a number that single precision can hold"
+           : most == kMost            ? fmt::format("{} or more", least)
+                                      : fmt::format("{} to {}", least, most),
+           fmt::format("{} is taken", nearest));
   return nearest;
 }
 
-double GltfValue::amount(double without) const {
-  return number_within(without, 0, std::numeric_limits<double>::infinity());
+std::optional<double> GltfValue::above_zero() const {
+  const double value = number(std::numeric_limits<double>::quiet_NaN());
+  if (value > 0) return value;
+  if (value <= 0) leave_out("a number above 0");
+  return std::nullopt;
 }
 
 std::optional<uint64_t> GltfValue::if_whole() const {
@@ -204,24 +206,31 @@ bool GltfValue::flag(bool without) const {
   return without;
 }
 
-std::optional<std::vector<double>> GltfValue::numbers(size_t count) const {
-  if (!json_ || (!json_->is_array() && size() == 0)) return std::nullopt;
-  if (size() != count)
-    repair(fmt::format("{} numbers", size()), fmt::format("{}", count),
-           size() < count ? "they are left out" : "the first ones are taken");
-  if (size() < count) return std::nullopt;
-  std::vector<double> values;
-  for (size_t i = 0; i < count; ++i) values.push_back(at(i).number(0));
-  return values;
+std::vector<double> GltfValue::numbers(std::vector<double> without, double least,
+                                       double most) const {
+  const size_t given = size();
+  if (!json_ || !json_->is_array()) return without;
+  if (given != without.size())
+    repair(fmt::format("an array of {}", given), fmt::format("{} numbers", without.size()),
+           given < without.size() ? "the others are the default" : "the first ones are taken");
+  for (size_t i = 0; i < std::min(given, without.size()); ++i)
+    without[i] = at(i).number_within(without[i], least, most);
+  return without;
 }
 
 std::string GltfValue::shown() const {
+  constexpr size_t kLongest = 40;
   if (!json_) return "no value";
-  return json_->is_number() ? fmt::format("{}", json_->get<double>()) : type_name(*json_);
+  if (json_->is_structured()) return fmt::format("an {}", json_->type_name());
+  if (!json_->is_string())
+    return json_->is_number() ? fmt::format("{}", json_->get<double>()) : json_->dump();
+  const auto& text = json_->get_ref<const std::string&>();
+  return fmt::format("'{}{}'", to_utf8(text.substr(0, kLongest)),
+                     text.size() > kLongest ? "..." : "");
 }
 
 void GltfValue::leave_out(std::string_view expected) const {
-  repair(type_name(*json_), expected, "it is left out");
+  repair(shown(), expected, "it is left out");
 }
 
 SourcePlace GltfValue::place() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
@@ -23,27 +24,32 @@ struct GltfText {
   int errors = 0;                ///< that were made, so that not all look for their place
 };
 
-/// A value of a glTF file's JSON, or of none where a member is absent or null. It knows where it
-/// stands. What cannot be read without is a located error; another value that breaks a rule, as
-/// one of the wrong type, is repaired, which is a located warning. Refers to the document.
+/// A value of a glTF file's JSON, or of none where a member is absent. It knows where it stands.
+/// What cannot be read without is a located error; another value that breaks a rule, as one of the
+/// wrong type, is repaired, which is a located warning. Refers to the document.
 class GltfValue {
  public:
   GltfValue(const nlohmann::json* json, GltfText* text, std::string path)
       : json_(json), text_(text), path_(std::move(path)) {}
 
   explicit operator bool() const { return json_ != nullptr; }
-  /// Both give no value where there is none, nor of what is of another type.
+  /// Both give no value where there is none, nor of what is of another type. A null, which glTF
+  /// does not permit, is none too, with a warning.
   GltfValue operator[](const char* key) const;
   GltfValue at(size_t index) const;
   size_t size() const;  ///< of an array; 0 where there is none
   std::vector<std::string> keys() const;
 
-  double number(double without) const;
+  /// The largest number, of either sign, that is read: that of single precision.
+  static constexpr double kMost = std::numeric_limits<float>::max();
+  double number(double without) const { return number_within(without, -kMost, kMost); }
   /// The number in [least, most], to which one outside is taken: in silence what rounding may have
   /// moved.
   double number_within(double without, double least, double most) const;
   /// At least 0.
-  double amount(double without) const;
+  double amount(double without) const { return number_within(without, 0, kMost); }
+  /// The number where it is above 0; nothing for no value and, with a warning, for another one.
+  std::optional<double> above_zero() const;
   /// A whole number of 0 or more, with a warning for another value.
   std::optional<uint64_t> whole() const;
   /// The same without a warning.
@@ -56,8 +62,10 @@ class GltfValue {
                               std::string_view taken = "it is left out") const;
   std::string text(const std::string& without) const;
   bool flag(bool without) const;
-  /// Exactly `count` finite numbers, the first ones of more; nothing where there are fewer.
-  std::optional<std::vector<double>> numbers(size_t count) const;
+  /// As many numbers in [least, most] as `without` has, each of which stands for one that is not
+  /// there; the first ones of more.
+  std::vector<double> numbers(std::vector<double> without, double least = -kMost,
+                              double most = kMost) const;
 
   const std::string& path() const { return path_; }
   /// An absent value has the place of the nearest one that is there.
@@ -65,9 +73,11 @@ class GltfValue {
   Error error(std::string_view found, std::string_view expected) const;
   /// Warns that the value is `found` where `expected` is the rule, and what is `taken` for it.
   void repair(std::string_view found, std::string_view expected, std::string_view taken) const;
+  /// The value as messages show it: the number or, in quotes, the text; of others the type.
+  std::string shown() const;
 
  private:
-  std::string shown() const;
+  GltfValue step(const nlohmann::json* to, std::string path) const;
   void leave_out(std::string_view expected) const;
 
   const nlohmann::json* json_;

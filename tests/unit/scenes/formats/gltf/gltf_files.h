@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -90,6 +92,24 @@ inline std::string material(const std::string& body, const std::string& more = "
   return Binary().put(kSquare).glb(kNode + mesh(R"({"attributes":{"POSITION":0},"material":0})") +
                                    R"(,"accessors":[)" + accessor(0, 5126, 3, "VEC3") +
                                    R"(],"materials":[{)" + body + "}]" + more);
+}
+
+inline std::vector<std::string> warnings(const std::string& text) {
+  return parse_gltf(text, "t.gltf").warnings;
+}
+
+inline std::string with_node(const std::string& node) {
+  return R"({"asset":{"version":"2.0"},"nodes":[{"camera":0},{"camera":0,)" + node +
+         R"(,"children":[2]},{"camera":0}],"cameras":[{"type":"perspective","perspective":)"
+         R"({"yfov":1}}]})";
+}
+
+/// The warnings without the place, where there is but one.
+inline std::string only_warning(const LoadedScene& loaded) {
+  EXPECT_EQ(loaded.warnings.size(), 1u) << testing::PrintToString(loaded.warnings);
+  if (loaded.warnings.empty()) return "";
+  const std::string& whole = loaded.warnings.front();
+  return whole.substr(whole.find(": ") + 2);
 }
 
 }  // namespace tessera::gltf_files

@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "renderer/math/elementary.h"
 #include "scenes/formats/gltf/gltf_file.h"
 #include "scenes/formats/gltf/gltf_value.h"
 #include "tests/unit/scenes/formats/gltf/gltf_files.h"
@@ -65,55 +64,7 @@ TEST(Gltf, SaysWhereAndWhatIsWrong) {
             "be read");
 }
 
-std::vector<std::string> warnings(const std::string& text) {
-  return parse_gltf(text, "t.gltf").warnings;
-}
-
-TEST(Gltf, NumbersThatAreNotFiniteAreLeftOut) {
-  const LoadedScene loaded = parse_gltf(
-      "{\"asset\": {\"version\": \"2.0\", \"extras\": \"NaN \\\" 1e999\"},\n"
-      " \"nodes\": [{\"camera\": 0, \"translation\": [NaN, 2, -1e400]}],\n"
-      " \"cameras\": [{\"type\": \"perspective\", \"perspective\": {\"yfov\": 1,"
-      " \"zfar\": Infinity, \"znear\": 1e-400}}]}",
-      "t.gltf");
-  const auto& rows = loaded.scene.cameras(0).world_from_camera().steps(0).matrix().rows();
-  EXPECT_EQ(rows[3], 0);
-  EXPECT_EQ(rows[7], 2);
-  EXPECT_EQ(rows[11], 0);
-  EXPECT_EQ(loaded.warnings,
-            std::vector<std::string>{
-                "t.gltf:2:42: NaN; expected a finite number; it is left out (3 times)"});
-  EXPECT_EQ(warnings("{\"asset\":{\"version\":\"2.0\"},\n\"skins\":[{},{\"name\":42}]}"),
-            std::vector<std::string>{"t.gltf:2:21: skins/1/name: a value of type number; expected "
-                                     "text; it is left out"});
-}
-
-std::string with_node(const std::string& node) {
-  return R"({"asset":{"version":"2.0"},"nodes":[{"camera":0},{"camera":0,)" + node +
-         R"(,"children":[2]},{"camera":0}],"cameras":[{"type":"perspective","perspective":)"
-         R"({"yfov":1}}]})";
-}
-
-TEST(Gltf, MatricesMayBeRounded) {
-  const auto cameras = [](const std::string& numbers) {
-    return parse_gltf(with_node("\"matrix\":[" + numbers + "]"), "t.gltf").scene.cameras_size();
-  };
-  EXPECT_EQ(cameras("1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1"), 3);
-  EXPECT_EQ(cameras("1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,0.99999994"), 3);
-  EXPECT_EQ(cameras("1e-3,0,0,-1e-8, 0,1e-3,0,0, 0,0,1e-3,0, 500,0,0,1.0000001"), 3);
-  EXPECT_EQ(cameras("1000,0,0,1e-4, 0,1000,0,0, 0,0,1000,0, 0,0,0,1"), 3)
-      << "rounding is relative to the matrix";
-  EXPECT_EQ(cameras("1,0,0,0.01, 0,1,0,0, 0,0,1,0, 0,0,0,1"), 1) << "a projection";
-  EXPECT_EQ(warnings(with_node(R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,2])")),
-            std::vector<std::string>{
-                "t.gltf:1:71: nodes/1/matrix: a last row other than 0 0 0 1; expected an affine "
-                "matrix; the node and what is below it are left out"});
-}
-
 TEST(Gltf, OddNodesDoNotCostTheFile) {
-  EXPECT_EQ(warnings(with_node(R"("rotation":[0,0,0,0])")),
-            std::vector<std::string>{"t.gltf:1:73: nodes/1/rotation: a quaternion of no length; "
-                                     "expected a unit one; the node is not turned"});
   EXPECT_EQ(warnings(with_node(R"("scale":[0,1,1])")),
             std::vector<std::string>{
                 "t.gltf:1:50: nodes/1: a camera in a flat frame; expected a frame that can be "
@@ -157,7 +108,7 @@ struct OddPart {
 TEST(Gltf, OneOddAttributeCostsThatAttribute) {
   const std::vector<OddPart> cases{
       {R"("NORMAL":1)", R"("NORMAL":9)", "NORMAL: accessor 9; expected 0 to 4; it is left out"},
-      {R"("NORMAL":1)", R"("NORMAL":"x")", "NORMAL: a value of type string; expected a whole"},
+      {R"("NORMAL":1)", R"("NORMAL":"x")", "NORMAL: 'x'; expected a whole number; it is left out"},
       {R"("NORMAL":1)", R"("NORMAL":2)", "NORMAL: rows of 2; expected 3 numbers a row; it is left"},
       {R"("NORMAL":1)", R"("NORMAL":4)", "accessors/4: 6 rows; expected one a vertex; it is left"},
       {R"("bufferView":1,"componentType":5126)", R"("bufferView":1,"componentType":99)",
@@ -183,11 +134,11 @@ TEST(Gltf, OneOddReferenceCostsWhatItRefersTo) {
       {R"("children":[1])", R"("children":[7])", "node 7; expected 0 to 1; it is left out"},
       {R"("children":[1])", R"("children":[1,1])", "two parents, or below itself; expected a tree"},
       {R"("children":[1])", R"("children":[0,1])", "below itself; expected a tree; it is shown"},
-      {R"("children":[1])", R"("children":1)", "children: a value of type number; expected an ar"},
+      {R"("children":[1])", R"("children":1)", "children: 1; expected an array; it is left out"},
       {R"({"camera":0})", R"({"camera":3})", "nodes/1/camera: camera 3; expected 0 to 0; it is"},
       {R"({"camera":0})", R"({"camera":0,"mesh":3})", "nodes/1/mesh: mesh 3; expected 0 to 0; it"},
       {R"({"camera":0})", R"({"camera":0,"skin":3,"extras":[]})", "animations are not read"},
-      {R"({"camera":0})", "7", "nodes/1: a value of type number; expected an object; it is left"},
+      {R"({"camera":0})", "7", "nodes/1: 7; expected an object; it is left out"},
       {R"("scene":0)", R"("scene":4)", "scene: scene 4; expected 0 to 0; it is left out"},
       {R"("material":0)", R"("material":4)", "material: material 4; expected 0 to 0; it is left"},
       {R"("mode":4)", R"("mode":-1)", "mode: -1; expected a whole number; it is left out"},
@@ -195,13 +146,14 @@ TEST(Gltf, OneOddReferenceCostsWhatItRefersTo) {
       {R"("texCoord":0)", R"("texCoord":1)", "no TEXCOORD_1; expected the texture coordinates"},
       {R"("texCoord":0)", R"("texCoord":-1)", "texCoord: -1; expected a whole number; it is left"},
       {R"("wrapS":10497)", R"("wrapS":3)", "expected 33071 (clamp), 33648 (mirror) or 10497"},
-      {R"("wrapS":10497)", R"("wrapS":"x")", "wrapS: a value of type string; expected a whole"},
+      {R"("wrapS":10497)", R"("wrapS":"x")", "wrapS: 'x'; expected a whole number; it is left out"},
       {R"("sampler":0)", R"("sampler":3)", "sampler: sampler 3; expected 0 to 0; it is left out"},
       {R"("source":0)", R"("source":3)", "source: image 3; expected 0 to 0; it is left out"},
       {R"([{"bufferView":5}])", R"([{"bufferView":9}])",
        "buffer view 9; expected 0 to 5; the pict"},
-      {R"("skins":[])", R"("skins":{"a":1})", "skins: a value of type object; expected an array"},
-      {R"([{"name":"turn"}])", R"([5,{"channels":[{"sampler":9}]}])", "animations/0: a value of"},
+      {R"("skins":[])", R"("skins":{"a":1})",
+       "skins: an object; expected an array; it is left out"},
+      {R"([{"name":"turn"}])", R"([5,{"channels":[{"sampler":9}]}])", "animations/0: 5; expected"},
   };
   for (const OddPart& c : cases) {
     const LoadedScene loaded = square(c.part, c.other);
@@ -247,56 +199,6 @@ TEST(Gltf, WhatIsThereOfAContainerThatIsCutShortIsRead) {
   EXPECT_NE(testing::PrintToString(loaded.warnings).find("the primitive is left out"),
             std::string::npos);
   EXPECT_GE(loaded.repairs.size(), 3u) << testing::PrintToString(loaded.warnings);
-}
-
-TEST(Gltf, OddLightsAndCamerasDoNotCostTheFile) {
-  const auto light = [](const std::string& members) {
-    return parse_gltf(R"({"asset":{"version":"2.0"},"nodes":[{"extensions":)"
-                      R"({"KHR_lights_punctual":{"light":0}}}],"extensions":)"
-                      R"({"KHR_lights_punctual":{"lights":[{)" +
-                          members + "}]}}}",
-                      "t.gltf");
-  };
-  const LoadedScene hard =
-      light(R"("type":"spot","spot":{"innerConeAngle":0.4,"outerConeAngle":0.4})");
-  EXPECT_EQ(hard.warnings, std::vector<std::string>{}) << "Blender's hard edge";
-  const v1::Light::Spot& spot = hard.scene.nodes(0).light().spot();
-  EXPECT_EQ(spot.beam_width(), spot.cut_off());
-  EXPECT_NEAR(spot.cut_off(), portable::degrees(.4), 1e-12);
-  const LoadedScene odd =
-      light(R"("type":"spot","spot":{"innerConeAngle":0.5,"outerConeAngle":0.4},"intensity":-3,)"
-            R"("color":[1,-0.0000001,-2])");
-  EXPECT_EQ(odd.scene.nodes(0).light().intensity(), 0);
-  EXPECT_EQ(odd.scene.nodes(0).light().color().b(), 0);
-  EXPECT_EQ(
-      odd.warnings,
-      (std::vector<std::string>{
-          "t.gltf:1:239: extensions/KHR_lights_punctual/lights/0/color/2: -2; expected 0 or "
-          "more; 0 is taken",
-          "t.gltf:1:214: extensions/KHR_lights_punctual/lights/0/intensity: -3; expected 0 or "
-          "more; 0 is taken",
-          "t.gltf:1:176: extensions/KHR_lights_punctual/lights/0/spot/innerConeAngle: 0.5; "
-          "expected 0 to 0.4; 0.4 is taken"}));
-  EXPECT_EQ(light(R"("type":"area")").scene.nodes_size(), 0);
-  EXPECT_EQ(light(R"("type":"area")").repairs.size(), 1u);
-  EXPECT_EQ(light(R"("type":"point","range":0)").scene.nodes(0).light().radius(), 0);
-}
-
-TEST(Gltf, OddMaterialsDoNotCostTheFile) {
-  const LoadedScene loaded = read(material(
-      R"("pbrMetallicRoughness":{"baseColorFactor":[-1,0.5,2,1],"metallicFactor":1.0000001,)"
-      R"("roughnessFactor":1.5,"baseColorTexture":{}},"alphaMode":"CUTOUT",)"
-      R"("extensions":{"KHR_materials_ior":{"ior":0.9}})"));
-  const v1::Physical& p = loaded.scene.materials(0).physical();
-  EXPECT_EQ(p.base_color().value().r(), 0);
-  EXPECT_EQ(p.metallic().value(), 1);
-  EXPECT_EQ(p.roughness().value(), 1);
-  EXPECT_EQ(p.refractive_index(), 1);
-  EXPECT_EQ(loaded.scene.materials(0).alpha(), v1::Material::ALPHA_OPAQUE);
-  EXPECT_EQ(loaded.repairs.size(), 5u) << testing::PrintToString(loaded.warnings);
-  const LoadedScene never = read(material(R"("alphaMode":"MASK","alphaCutoff":1.5)"));
-  EXPECT_EQ(never.scene.materials(0).opacity().value(), 0) << "which no alpha reaches";
-  EXPECT_EQ(never.warnings, std::vector<std::string>{});
 }
 
 TEST(Gltf, OddVerticesDoNotCostTheFile) {
