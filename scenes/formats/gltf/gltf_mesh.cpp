@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "base/file.h"
 #include "scenes/mesh/mesh_data.h"
@@ -31,6 +33,20 @@ void for_each_triangle(uint64_t mode, const std::vector<uint32_t>& corners, cons
     else
       action(corners[i + 1], corners[i], corners[i + 2]);
   }
+}
+
+/// Limits the components of colours to 0 to 1 and warns of the first one that is outside by more
+/// than rounding.
+void limit_colors(const GltfValue& reference, std::vector<float>& colors) {
+  constexpr float kRounding = 1e-6F;
+  std::optional<float> odd;
+  for (float& part : colors) {
+    const float nearest = std::clamp(part, 0.F, 1.F);
+    if (!odd && std::abs(part - nearest) > kRounding) odd = part;
+    part = nearest;
+  }
+  if (odd)
+    reference.repair(fmt::format("a component of {}", *odd), "0 to 1", "the nearest one is taken");
 }
 
 }  // namespace
@@ -161,18 +177,23 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
   const auto known = std::find(group.materials.begin(), group.materials.end(), name);
   const auto number = static_cast<uint32_t>(known - group.materials.begin());
   if (known == group.materials.end()) group.materials.push_back(name);
+  const uint64_t mode = primitive["mode"].whole().value_or(kTriangles);
+  if (corners.size() < 3 || (mode == kTriangles && corners.size() % 3 != 0))
+    (given ? given : primitive)
+        .repair(fmt::format("{} corners", corners.size()),
+                mode == kTriangles ? "3 or a multiple of it" : "3 or more",
+                "those left over are left out");
   std::optional<uint32_t> lost;
-  for_each_triangle(primitive["mode"].whole().value_or(kTriangles), corners,
-                    [&](uint32_t a, uint32_t b, uint32_t c) {
-                      const uint32_t largest = std::max({a, b, c});
-                      if (largest >= group.vertex_count) {
-                        lost = largest;
-                        return;
-                      }
-                      if (a == b || b == c || c == a) return;
-                      group.triangles.insert(group.triangles.end(), {a, b, c});
-                      group.face_materials.push_back(number);
-                    });
+  for_each_triangle(mode, corners, [&](uint32_t a, uint32_t b, uint32_t c) {
+    const uint32_t largest = std::max({a, b, c});
+    if (largest >= group.vertex_count) {
+      lost = largest;
+      return;
+    }
+    if (a == b || b == c || c == a) return;
+    group.triangles.insert(group.triangles.end(), {a, b, c});
+    group.face_materials.push_back(number);
+  });
   if (!lost) return;
   file_.attempt("the triangles there are left out", [&] {
     throw given.error(fmt::format("index {} of {} vertices", *lost, group.vertex_count),
@@ -238,6 +259,7 @@ std::optional<v1::Shape> GltfMeshes::finish(Group& group) {
   mesh.uvs = finite_rows(from.uv, 2, 0, group);
   for (size_t i = 1; i < mesh.uvs.size(); i += 2) mesh.uvs[i] = 1 - mesh.uvs[i];
   mesh.colors = finite_rows(from.color, 4, 1, group);
+  limit_colors(from.color, mesh.colors);
   for (size_t i = 0; i < mesh.colors.size(); ++i)
     if (i % 4 != 3) mesh.colors[i] = vertex_light(mesh.colors[i], VertexColorSource::gltf);
   // Without normals a tangent says nothing (3.7.2.1).

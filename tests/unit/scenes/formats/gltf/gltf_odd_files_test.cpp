@@ -189,6 +189,26 @@ TEST(Gltf, OneOddIndexCostsItsTriangles) {
             "vertices");
 }
 
+TEST(Gltf, CornersThatMakeNoTriangleAreLeftOut) {
+  const auto file = [](int mode, int count) {
+    return read(Binary()
+                    .put(kSquare)
+                    .put(std::vector<uint8_t>{0, 1, 2, 0, 2})
+                    .glb(kNode +
+                         mesh(R"({"attributes":{"POSITION":0},"indices":1,"mode":)" +
+                              std::to_string(mode) + "}") +
+                         R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," +
+                         accessor(1, 5121, count, "SCALAR") + "]"));
+  };
+  const std::string said = "meshes/0/primitives/0/indices: ",
+                    rest = "; those left over are left out";
+  EXPECT_EQ(first_mesh(file(4, 5)).triangles, (Indices{0, 1, 2}));
+  EXPECT_EQ(only_warning(file(4, 5)), said + "5 corners; expected 3 or a multiple of it" + rest);
+  EXPECT_EQ(only_warning(file(4, 0)), said + "0 corners; expected 3 or a multiple of it" + rest);
+  EXPECT_EQ(only_warning(file(6, 2)), said + "2 corners; expected 3 or more" + rest);
+  EXPECT_EQ(file(6, 4).warnings, std::vector<std::string>{});
+}
+
 TEST(Gltf, WhatIsThereOfAContainerThatIsCutShortIsRead) {
   const std::string whole = Binary().put(kSquare).put(kSquare).glb(
       kNode + mesh(R"({"attributes":{"POSITION":0}},{"attributes":{"POSITION":1}})") +

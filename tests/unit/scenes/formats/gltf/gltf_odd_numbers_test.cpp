@@ -288,5 +288,18 @@ TEST(Gltf, OddMaterialsDoNotCostTheFile) {
   EXPECT_EQ(never.warnings, std::vector<std::string>{});
 }
 
+TEST(Gltf, ColoursOfVerticesAreLimited) {
+  const LoadedScene loaded = read(
+      Binary()
+          .put(kSquare)
+          .put(Floats{1, 1, 1, 1, 5, 1, 1, 1, 1, -2, 1, 1})
+          .glb(kNode + mesh(R"({"attributes":{"POSITION":0,"COLOR_0":1}})") + R"(,"accessors":[)" +
+               accessor(0, 5126, 3, "VEC3") + "," + accessor(1, 5126, 3, "VEC4") + "]"));
+  EXPECT_EQ(first_mesh(loaded).colors, (Floats{1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1}));
+  EXPECT_EQ(only_warning(loaded),
+            "meshes/0/primitives/0/attributes/COLOR_0: a component of 5; expected 0 to 1; the "
+            "nearest one is taken");
+}
+
 }  // namespace
 }  // namespace tessera::gltf_files
