@@ -61,7 +61,7 @@ GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& value) : value_(valu
   normalized_ = value_["normalized"].flag(false) && component_ != Component::float32;
   const uint64_t count = value_["count"].required_whole();
   if (value_["bufferView"]) {
-    rows_ = rows(file, value_, count, components_ * size_of(component_));
+    rows_ = rows(file, value_, count, components_, component_);
   } else if (count > kMaxZeros) {
     throw value_["count"].error(fmt::format("{} zeros", count),
                                 fmt::format("at most {}", kMaxZeros));
@@ -71,7 +71,8 @@ GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& value) : value_(valu
 }
 
 GltfAccessor::Rows GltfAccessor::rows(GltfFile& file, const GltfValue& holder, size_t count,
-                                      size_t row_size) const {
+                                      size_t components, Component type) {
+  const size_t size = size_of(type), row_size = components * size;
   const auto which = holder["bufferView"].index(file.root()["bufferViews"].size(), "buffer view");
   if (!which) throw holder.error("no bufferView", "its index");
   const GltfFile::View view = file.view(*which);
@@ -80,6 +81,13 @@ GltfAccessor::Rows GltfAccessor::rows(GltfFile& file, const GltfValue& holder, s
     throw holder.error(fmt::format("rows of {} bytes every {}", row_size, stride),
                        "rows that do not overlap");
   const uint64_t offset = holder["byteOffset"].whole().value_or(0);
+  constexpr std::string_view kTaken = "it is taken all the same";
+  const std::string rule = fmt::format("a multiple of {}, the size of a component", size);
+  if ((view.begin + offset) % size != 0)
+    holder.repair(fmt::format("byte {} of the buffer", view.begin + offset), rule, kTaken);
+  if (stride % size != 0)
+    file.element("bufferViews", *which)["byteStride"].repair(fmt::format("{}", stride), rule,
+                                                             kTaken);
   const size_t held = view.bytes.size();
   const size_t room =
       offset > held || held - offset < row_size ? 0 : (held - offset - row_size) / stride + 1;
@@ -98,8 +106,8 @@ void GltfAccessor::read_sparse(GltfFile& file, const GltfValue& sparse) {
   const Component type = component_of(indices["componentType"]);
   if (type != Component::uint8 && type != Component::uint16 && type != Component::uint32)
     throw indices["componentType"].error("a type of no index", "5121, 5123 or 5125");
-  const Rows numbers = rows(file, indices, count, size_of(type));
-  sparse_.values = rows(file, sparse["values"], count, components_ * size_of(component_));
+  const Rows numbers = rows(file, indices, count, 1, type);
+  sparse_.values = rows(file, sparse["values"], count, components_, component_);
   for (size_t i = 0; i < count; ++i) {
     const char* const at = numbers.data + i * numbers.stride;
     const uint32_t row = type == Component::uint8    ? load<uint8_t>(at)

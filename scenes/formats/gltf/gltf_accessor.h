@@ -48,7 +48,8 @@ class GltfAccessor {
 
   static Component component_of(const GltfValue& type);
   static size_t size_of(Component component);
-  Rows rows(GltfFile& file, const GltfValue& holder, size_t count, size_t row_size) const;
+  static Rows rows(GltfFile& file, const GltfValue& holder, size_t count, size_t components,
+                   Component type);
   void read_sparse(GltfFile& file, const GltfValue& sparse);
   const char* row(size_t index) const;
   double value(const char* row, size_t component) const;

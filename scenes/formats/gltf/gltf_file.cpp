@@ -305,10 +305,12 @@ GltfFile::View GltfFile::view(size_t index) {
     value.repair(fmt::format("{} bytes from byte {} on", length, offset),
                  fmt::format("an end within the buffer's {} bytes", bytes.size()),
                  "what is there is read");
-  const uint64_t stride = value["byteStride"].whole().value_or(0);
-  if (stride > 252)
-    value["byteStride"].repair(fmt::format("{}", stride), "4 to 252", "it is taken all the same");
-  return {bytes.substr(offset, length), stride};
+  const GltfValue given = value["byteStride"];
+  const uint64_t stride = given.whole().value_or(0);
+  if (given && (stride < 4 || stride > 252))
+    given.repair(given.shown(), "4 to 252",
+                 stride == 0 ? "the rows are next to each other" : "it is taken all the same");
+  return {bytes.substr(offset, length), stride, offset};
 }
 
 }  // namespace tessera

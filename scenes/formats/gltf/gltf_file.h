@@ -39,6 +39,7 @@ class GltfFile {
   struct View {
     std::string_view bytes;
     size_t stride = 0;  ///< 0: tightly packed
+    size_t begin = 0;   ///< the offset of the bytes in their buffer
   };
   /// Loads the buffer on its first use. Throws where that cannot be read.
   View view(size_t index);

@@ -209,6 +209,34 @@ TEST(Gltf, CornersThatMakeNoTriangleAreLeftOut) {
   EXPECT_EQ(file(6, 4).warnings, std::vector<std::string>{});
 }
 
+TEST(Gltf, DataThatIsNotAlignedIsReadAllTheSame) {
+  std::string bytes(1, '\0');
+  for (const float number : kSquare) {
+    if (bytes.size() % 13 == 0) bytes += '\0';
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  const LoadedScene loaded =
+      read(Binary()
+               .put(std::vector<char>(bytes.begin(), bytes.end()), 13)
+               .glb(kNode +
+                    mesh(R"({"attributes":{"POSITION":0},"mode":6},)"
+                         R"({"attributes":{"POSITION":1},"mode":6})") +
+                    R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3", R"(,"byteOffset":1)") + "," +
+                    accessor(0, 5126, 4, "VEC3", R"(,"byteOffset":1)") + "]"));
+  EXPECT_EQ(mesh_of(loaded.scene.nodes(0).children(0).shape(), loaded.blobs).positions, kSquare);
+  EXPECT_EQ(loaded.warnings,
+            (std::vector<std::string>{
+                "t.glb: accessors/0: byte 1 of the buffer; expected a multiple of 4, the size of a "
+                "component; it is taken all the same (2 times)",
+                "t.glb: bufferViews/0/byteStride: 13; expected a multiple of 4, the size of a "
+                "component; it is taken all the same"}));
+  std::string next = Binary().put(kSquare, 12).glb(kNode + kTriangle);
+  next.replace(next.find(":12}"), 4, ": 0}");
+  EXPECT_EQ(first_mesh(read(next)).positions, Floats(kSquare.begin(), kSquare.begin() + 9));
+  EXPECT_EQ(only_warning(read(next)),
+            "bufferViews/0/byteStride: 0; expected 4 to 252; the rows are next to each other");
+}
+
 TEST(Gltf, WhatIsThereOfAContainerThatIsCutShortIsRead) {
   const std::string whole = Binary().put(kSquare).put(kSquare).glb(
       kNode + mesh(R"({"attributes":{"POSITION":0}},{"attributes":{"POSITION":1}})") +
