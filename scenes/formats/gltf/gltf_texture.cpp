@@ -12,6 +12,20 @@
 namespace tessera {
 namespace {
 
+constexpr uint64_t kNearest = 9728, kLinear = 9729;
+
+/// Returns the number of a sampler's filter; nothing, with a warning, where glTF has no such
+/// filter. The largest one is `most`: kLinear, or the last one that mixes levels of detail.
+std::optional<uint64_t> filter_of(const GltfValue& filter, uint64_t most, const char* expected) {
+  constexpr uint64_t kFirstWithLevels = 9984;
+  const auto number = filter.whole();
+  if (!number || *number == kNearest || *number == kLinear ||
+      (*number >= kFirstWithLevels && *number <= most))
+    return number;
+  filter.repair(filter.shown(), expected, "it is left out");
+  return std::nullopt;
+}
+
 v1::Texture::Image::Wrap wrap_of(const GltfValue& mode) {
   constexpr uint64_t kClamp = 33071, kMirror = 33648, kRepeat = 10497;
   const uint64_t number = mode.whole().value_or(kRepeat);
@@ -26,10 +40,10 @@ v1::Texture::Image::Wrap wrap_of(const GltfValue& mode) {
 }  // namespace
 
 void GltfTextures::sample(const GltfValue& sampler, v1::Texture::Image& image) {
-  constexpr uint64_t kNearest = 9728, kLinear = 9729;
   image.set_wrap_s(wrap_of(sampler["wrapS"]));
   image.set_wrap_t(wrap_of(sampler["wrapT"]));
-  const auto near = sampler["magFilter"].whole(), far = sampler["minFilter"].whole();
+  const auto near = filter_of(sampler["magFilter"], kLinear, "9728 or 9729");
+  const auto far = filter_of(sampler["minFilter"], 9987, "9728, 9729 or 9984 to 9987");
   if (near == kNearest)
     image.set_filter(v1::Texture::Image::NEAREST);
   else if (far == kNearest || far == kLinear)

@@ -147,6 +147,8 @@ TEST(Gltf, OneOddReferenceCostsWhatItRefersTo) {
       {R"("texCoord":0)", R"("texCoord":-1)", "texCoord: -1; expected a whole number; it is left"},
       {R"("wrapS":10497)", R"("wrapS":3)", "expected 33071 (clamp), 33648 (mirror) or 10497"},
       {R"("wrapS":10497)", R"("wrapS":"x")", "wrapS: 'x'; expected a whole number; it is left out"},
+      {R"("wrapS":10497)", R"("magFilter":3)", "magFilter: 3; expected 9728 or 9729; it is left"},
+      {R"("wrapS":10497)", R"("minFilter":3)", "3; expected 9728, 9729 or 9984 to 9987; it is"},
       {R"("sampler":0)", R"("sampler":3)", "sampler: sampler 3; expected 0 to 0; it is left out"},
       {R"("source":0)", R"("source":3)", "source: image 3; expected 0 to 0; it is left out"},
       {R"([{"bufferView":5}])", R"([{"bufferView":9}])",
