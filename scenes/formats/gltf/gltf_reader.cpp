@@ -12,6 +12,7 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
 #include "scenes/formats/gltf/gltf_mesh.h"
+#include "scenes/import/decimal.h"
 #include "scenes/import/picture_problem.h"
 
 namespace tessera {
@@ -64,8 +65,9 @@ Affine rotation_of(const GltfValue& value) {
   return r;
 }
 
-/// The matrix with 0 0 0 1 for its last row, in silence where that is but for what rounding makes
-/// of products of single precision.
+/// Returns the matrix with 0 0 0 1 as its last row: a projection cannot be kept, and other programs
+/// do not read that row either. It warns of a row that differs by more than products of single
+/// precision are rounded.
 Affine affine_of(const GltfValue& value) {
   constexpr double kRounding = 1e-5;
   const auto columns = value.numbers({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
@@ -103,7 +105,15 @@ Affine transform_of(const GltfValue& node) {
   return shift * turn * scaling(vec("scale", 1));
 }
 
-/// The size of a camera's angle or window. One below 0, with which the picture would be mirrored,
+/// Returns whether a text is a version number in [least, beyond).
+bool is_version(const std::string& text, double least, double beyond) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, problem] = read_decimal(text.data(), end, number);
+  return problem == std::errc() && stop == end && number >= least && number < beyond;
+}
+
+/// Returns the size of a camera's angle or window. A negative one, which would mirror the picture,
 /// loses its sign.
 std::optional<double> size_of(const GltfValue& value, double beyond, std::string_view expected) {
   const double number = value.number(0);
@@ -175,14 +185,16 @@ class GltfReader {
   }
 
   void check_version() {
-    const GltfValue version = file_.root()["asset"]["version"];
-    const std::string text = version.text("");
-    if (text.empty() && node_count() > 0)
-      version.repair("no version", "glTF 2.0", "that is taken");
-    else if (!text.starts_with("2"))
-      throw(version ? version : file_.root())
-          .error(text.empty() ? std::string("no asset/version") : fmt::format("version '{}'", text),
-                 "glTF 2.0");
+    constexpr const char* kVersion = "glTF 2.0";
+    const GltfValue asset = file_.root()["asset"], version = asset["version"];
+    if (!is_version(version.text(""), 2, 3)) {
+      // The nodes of glTF 1.0 are no array.
+      if (node_count() == 0) throw version.error(version.shown(), kVersion);
+      version.repair(version.shown(), kVersion, "that is taken");
+    }
+    const GltfValue least = asset["minVersion"];
+    if (!is_version(least.text("2.0"), 0, 2.1))
+      least.repair(least.shown(), kVersion, "the file is read as that");
   }
 
   void check_extensions() {
@@ -192,7 +204,7 @@ class GltfReader {
     const GltfValue required = file_.root()["extensionsRequired"];
     const std::vector<std::string> known(kExtensions.begin(), kExtensions.end());
     for (size_t i = 0; i < required.size(); ++i)
-      if (const std::string name = required.at(i).text(""); !is_read(name))
+      if (const std::string name = required.at(i).text(""); !name.empty() && !is_read(name))
         throw required.at(i).error(fmt::format("the file requires extension '{}'", name),
                                    fmt::format("one that is read{}", suggestion(name, known)));
     for (const std::string& name : file_.extension_names())
@@ -312,7 +324,7 @@ class GltfReader {
 
   /// The projection of a camera; false where it shows nothing.
   static bool project(const GltfValue& in, v1::Camera& out) {
-    // Beyond, rounding would make 180 degrees of it.
+    // A wider angle would be rounded to 180 degrees.
     constexpr double kWidest = portable::kPi - 1e-15;
     constexpr double kEndless = std::numeric_limits<double>::infinity();
     const GltfValue type = in["type"];
@@ -336,7 +348,7 @@ class GltfReader {
       type.repair(type.shown(), "perspective or orthographic", "the camera is left out");
       return false;
     }
-    // What changes nothing of the picture.
+    // These numbers do not change the picture.
     for (const char* key : {"aspectRatio", "zfar"}) values[key].above_zero();
     if (name == "perspective")
       values["znear"].above_zero();

@@ -46,9 +46,9 @@ TEST(Gltf, SaysWhereAndWhatIsWrong) {
             "t.gltf:3:3: what is no JSON; expected the JSON of a glTF "
             "file");
   EXPECT_EQ(error("[]"), "t.gltf: no JSON object; expected the JSON of a glTF file");
-  EXPECT_EQ(error("{}"), "t.gltf: no asset/version; expected glTF 2.0");
+  EXPECT_EQ(error("{}"), "t.gltf: asset/version: no value; expected glTF 2.0");
   EXPECT_EQ(error(R"({"asset":{"version":"1.0"}})"),
-            "t.gltf:1:21: asset/version: version '1.0'; expected glTF 2.0");
+            "t.gltf:1:21: asset/version: '1.0'; expected glTF 2.0");
   EXPECT_EQ(
       error("{\"asset\":{\"version\":\"2.0\"},\n \"extensionsRequired\":[\"KHR_material_ior\"]}"),
       "t.gltf:2:24: extensionsRequired/0: the file requires extension 'KHR_material_ior'; "
@@ -62,6 +62,24 @@ TEST(Gltf, SaysWhereAndWhatIsWrong) {
                   R"("byteLength":12}],"buffers":[{"byteLength":12,"uri":"a.bin"}]})"),
             "t.gltf:1:262: buffers/0/uri: other files are not read here; expected a file that can "
             "be read");
+}
+
+TEST(Gltf, VersionsAreReadAsTheOneThatIsKnown) {
+  const auto said = [](const std::string& asset) {
+    return warnings("{\"asset\":{" + asset + R"(},"nodes":[{}]})");
+  };
+  const std::vector<std::string> nothing;
+  EXPECT_EQ(said(R"("version":"2.0","minVersion":"2.0")"), nothing);
+  EXPECT_EQ(said(R"("version":"2.1","minVersion":"2.1")"),
+            std::vector<std::string>{"t.gltf:1:40: asset/minVersion: '2.1'; expected glTF 2.0; the "
+                                     "file is read as that"});
+  EXPECT_EQ(said(R"("version":"2.0","minVersion":"10.0")").size(), 1u);
+  EXPECT_EQ(said(R"("version":"word")"),
+            std::vector<std::string>{
+                "t.gltf:1:21: asset/version: 'word'; expected glTF 2.0; that is taken"});
+  EXPECT_EQ(warnings(R"({"asset":{"version":"2.0"},"extensionsRequired":[5]})"),
+            std::vector<std::string>{
+                "t.gltf:1:50: extensionsRequired/0: 5; expected text; it is left out"});
 }
 
 TEST(Gltf, OddNodesDoNotCostTheFile) {
