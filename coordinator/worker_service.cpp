@@ -45,6 +45,7 @@ void WorkerService::on_control(const PeerId& peer, const v1::Envelope& message, 
   if (message.has_bye()) {
     if (message.bye().session() == worker->hello.session()) {
       lose(*worker, LossCause::left, printable(message.bye().reason()), now);
+      serve(now);
       look_for_shortages();
     }
     return;
@@ -167,9 +168,10 @@ void WorkerService::on_hello(const PeerId& peer, const v1::Hello& hello, const A
   // not listen.
   for (ActiveFrame* job : jobs_.running()) {
     job->note_worker(worker.id);
-    if (greeting.anew) act(*job, job->scheduler().leave(worker.id, LossCause::left, now), now);
+    if (greeting.anew) apply(*job, job->scheduler().leave(worker.id, LossCause::left, now), now);
   }
   if (greeting.anew) jobs_.worker_has_come(worker.id);
+  serve(now);
   fill(worker, now);
 }
 
@@ -210,10 +212,11 @@ void WorkerService::on_heartbeat(WorkerRecord& worker, const v1::Heartbeat& hear
         job->scheduler().report(worker.id, held[job->id()], now, events, heartbeat.leaves());
     held.erase(job->id());
     for (const LeaseId lease : events.unwanted) cancel(worker, *job, lease);
-    act(*job, events, now);
+    apply(*job, events, now);
   }
   // What is left is of jobs that are no more: it is cancelled, but runs as yet.
   for (const auto& [job, leases] : held) worker.foreign += leases.size();
+  serve(now);
   fill(worker, now);
 }
 
@@ -381,6 +384,7 @@ void WorkerService::on_peer_gone(const PeerId& peer, Time now, bool welcomed) {
   // Who was told to end, or is told by it too late, leaves as it should.
   const bool leaves = dismissed_ || !welcomed;
   lose(*worker, leaves ? LossCause::left : LossCause::vanished, "its connection is gone", now);
+  serve(now);
   look_for_shortages();
 }
 
@@ -399,6 +403,7 @@ void WorkerService::on_process_ended(pid_t process, bool crashed, const std::str
   }
   // Another process takes its place at once: that is waited for.
   lose(*worker, crashed ? LossCause::crashed : LossCause::vanished, how, now);
+  serve(now);
 }
 
 void WorkerService::lose(WorkerRecord& worker, LossCause cause, const std::string& how, Time now) {
@@ -424,7 +429,7 @@ void WorkerService::lose(WorkerRecord& worker, LossCause cause, const std::strin
       job->note_span(FrameTrace::Kind::lost, worker.id, worker.name(), lease.tile, lease.issued,
                      now);
     }
-    act(*job, job->scheduler().leave(worker.id, cause, now), now);
+    apply(*job, job->scheduler().leave(worker.id, cause, now), now);
   }
 }
 
@@ -449,12 +454,13 @@ void WorkerService::on_tick(Time now) {
     for (const WorkerId id : events.blamed) {
       if (const WorkerRecord* worker = workers_.by_id(id)) note_stuck(*worker);
     }
-    act(*job, events, now);
+    apply(*job, events, now);
     note_stalls(*job, events.stalled, now);
     fail_undecided(*job, now);
     put_barred_aside(*job);
     abandon_checks(*job, now);
   }
+  serve(now);
   fill(now);
 }
 

@@ -51,7 +51,8 @@ class WorkerService {
   std::vector<Outgoing>& outgoing() { return outgoing_; }
   std::vector<pid_t> take_stuck_processes();
   const WorkerRegistry& workers() const { return workers_; }
-  /// For tests: which rule of scheduling does not hold; empty: all do.
+  /// For tests: who idles beside a tile that they could trace, or was given one at this very time
+  /// though they could have had a more urgent one; empty: nobody.
   std::string broken_rule(Time now) const;
   /// What it knows of: workers, and counters of tiles and of them.
   void describe(FarmSnapshot& snapshot, Time now) const;
@@ -104,8 +105,8 @@ class WorkerService {
   /// Takes it back from its worker, unless that has begun.
   void recall(const ActiveFrame& job, const Lease& lease);
   size_t held_by(const WorkerRecord& worker) const;
-  /// Whether it may be given more tiles.
-  bool has_room(const WorkerRecord& worker) const;
+  /// Whether it may be given tiles at all.
+  static bool takes_tiles(const WorkerRecord& worker);
   std::vector<KnownScene> known_scenes(const WorkerRecord& worker) const;
   /// The worker must hold no tile of it.
   void forget_scene(WorkerRecord& worker, uint64_t frame);
@@ -115,7 +116,15 @@ class WorkerService {
   /// Fewer workers are there: perhaps none is left that can build the scene of some job.
   void look_for_shortages();
   void note_stuck(const WorkerRecord& worker);
-  void act(ActiveFrame& job, const SchedulerEvents& events, Time now);
+  /// Follows what a scheduler decided, and leaves it to serve() to give out what became free. Only
+  /// once that is done for all jobs is it known which tile is the most urgent.
+  void apply(ActiveFrame& job, const SchedulerEvents& events, Time now);
+  /// Gives tiles to those whose tiles were cancelled since, and to those who found none before.
+  void serve(Time now);
+  void act(ActiveFrame& job, const SchedulerEvents& events, Time now) {
+    apply(job, events, now);
+    serve(now);
+  }
   void judge_failures(WorkerRecord& worker, Time now);
   /// Says in the log, once in a while, what any worker could make it say ever so often.
   static void complain(WorkerRecord& worker, const std::string& what, Time now);
@@ -127,7 +136,8 @@ class WorkerService {
   std::vector<Outgoing> outgoing_;
   std::vector<pid_t> stuck_;
   FarmSnapshot::Counters counters_;
-  std::set<WorkerId> idle_;
+  std::set<WorkerId> idle_;   ///< who may be given a tile that becomes pending
+  std::set<WorkerId> freed_;  ///< whose tiles were cancelled since serve()
   uint64_t frames_begun_ = 0;
   Tally refusals_, taken_;  ///< as the log tells them
   bool draining_ = false, dismissed_ = false;

@@ -56,7 +56,8 @@ void WorkerService::convict(ActiveFrame& job, const Conviction& conviction, Time
   }
   // What a store kept from before, by nobody knows whom, is of this job alone.
   const auto jobs = conviction.wrong == kFromStore ? std::vector{&job} : jobs_.running();
-  for (ActiveFrame* each : jobs) act(*each, each->redo_tiles_of(conviction.wrong, of_key), now);
+  for (ActiveFrame* each : jobs) apply(*each, each->redo_tiles_of(conviction.wrong, of_key), now);
+  serve(now);
   if (of_key) jobs_.distrust(key);
 }
 

@@ -36,20 +36,37 @@ void WorkerService::fill_idle(Time now) {
   idle_.merge(hungry);
 }
 
-bool WorkerService::has_room(const WorkerRecord& worker) const {
-  return worker.foreign == 0 && !worker.leaves && worker.state == WorkerState::active &&
-         held_by(worker) < worker.hello.credit();
+bool WorkerService::takes_tiles(const WorkerRecord& worker) {
+  return worker.foreign == 0 && !worker.leaves && worker.state == WorkerState::active;
 }
 
 std::string WorkerService::broken_rule(Time now) const {
   if (draining_ || !jobs_.store_trouble().empty()) return "";
+  const std::vector<ActiveFrame*>& jobs = jobs_.by_need();
   for (const auto& [id, worker] : workers_.all()) {
-    if (!has_room(worker) || held_by(worker) > 0) continue;
-    for (const ActiveFrame* job : jobs_.by_need()) {
-      const bool can = !job->ended() && !job->scene_failed_at(id) && worker.ready_for(job->id());
-      if (can && job->scheduler().has_tile_for(id, now)) {
-        return fmt::format("worker {} idles beside tiles of frame {} that it could trace", id,
-                           job->id());
+    const bool is_alone = std::any_of(jobs.begin(), jobs.end(), [id = id](const ActiveFrame* job) {
+      return job->scheduler().isolates(id);
+    });
+    if (!takes_tiles(worker) || is_alone) continue;
+    for (const ActiveFrame* job : jobs) {
+      if (job->ended() || job->scene_failed_at(id) || !worker.ready_for(job->id())) continue;
+      // What it was given just now of less urgent jobs could have been a tile of this one, but not
+      // a piece of one that was split since because no other was left.
+      size_t given = 0;
+      for (const ActiveFrame* other : jobs) {
+        if (other->priority() >= job->priority()) continue;
+        const std::vector<Lease> leases = other->scheduler().leases_of(id);
+        given += static_cast<size_t>(std::count_if(
+            leases.begin(), leases.end(), [now](const Lease& l) { return l.issued == now; }));
+      }
+      const TileScheduler& scheduler = job->scheduler();
+      const size_t held = held_by(worker) - given;
+      const bool could = (held == 0 || given > 0) && held < worker.hello.credit() &&
+                         held < scheduler.depth(worker.hello.threads()) &&
+                         scheduler.has_tile_for(id, now, held > scheduler.held_by(id), given == 0);
+      if (could) {
+        return fmt::format("worker {} {} beside tiles of frame {} that it could trace", id,
+                           given > 0 ? "was given less urgent tiles" : "idles", job->id());
       }
     }
   }
@@ -58,7 +75,7 @@ std::string WorkerService::broken_rule(Time now) const {
 
 void WorkerService::fill(WorkerRecord& worker, Time now) {
   if (draining_ || !jobs_.store_trouble().empty()) return;
-  while (has_room(worker)) {
+  while (takes_tiles(worker) && held_by(worker) < worker.hello.credit()) {
     if (give_tile(worker, now)) continue;
     idle_.insert(worker.id);
     return;
@@ -200,17 +217,18 @@ void WorkerService::note_stalls(ActiveFrame& job, const std::vector<Lease>& stal
     } else {
       events.blamed.clear();
     }
-    act(job, events, now);
+    apply(job, events, now);
   }
 }
 
-void WorkerService::act(ActiveFrame& job, const SchedulerEvents& events, Time now) {
+void WorkerService::apply(ActiveFrame& job, const SchedulerEvents& events, Time now) {
   for (const Lease& lease : events.cancelled) {
     const WorkerRecord* worker = workers_.by_id(lease.worker);
     if (!worker) continue;
     job.note_span(FrameTrace::Kind::wasted, worker->id, worker->name(), lease.tile, lease.issued,
                   now);
     cancel(*worker, job, lease.id);
+    freed_.insert(lease.worker);
   }
   counters_.tiles_given_up += events.given_up.size();
   for (const uint32_t tile : events.given_up) {
@@ -221,10 +239,13 @@ void WorkerService::act(ActiveFrame& job, const SchedulerEvents& events, Time no
     WorkerRecord* worker = workers_.by_id(id);
     if (worker) judge_failures(*worker, now);
   }
-  for (const Lease& lease : events.cancelled) {
-    if (WorkerRecord* worker = workers_.by_id(lease.worker)) fill(*worker, now);
+}
+
+void WorkerService::serve(Time now) {
+  for (const WorkerId id : std::exchange(freed_, {})) {
+    if (WorkerRecord* worker = workers_.by_id(id)) fill(*worker, now);
   }
-  if (job.scheduler().has_pending()) fill_idle(now);
+  fill_idle(now);
 }
 
 }  // namespace tessera

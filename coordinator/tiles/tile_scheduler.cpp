@@ -217,12 +217,15 @@ std::optional<Lease> TileScheduler::assign(WorkerId worker, Time now, bool busy)
   return std::nullopt;
 }
 
-bool TileScheduler::has_tile_for(WorkerId worker, Time now) const {
+bool TileScheduler::has_tile_for(WorkerId worker, Time now, bool busy, bool pieces) const {
   const auto it = holders_.find(worker);
   if (it == holders_.end() || it->second.suspect || isolates(worker)) return false;
-  const auto may = [&](uint32_t tile) { return may_trace(tiles_[tile], worker, now, false); };
-  return std::any_of(pending_.begin(), pending_.end(),
-                     [&](uint32_t packed) { return may(TilePiece::unpack(packed).tile); }) ||
+  const auto may = [&](uint32_t tile) { return may_trace(tiles_[tile], worker, now, busy); };
+  const auto may_have = [&](uint32_t packed) {
+    const TilePiece piece = TilePiece::unpack(packed);
+    return (pieces || piece.whole()) && may(piece.tile);
+  };
+  return std::any_of(pending_.begin(), pending_.end(), may_have) ||
          std::any_of(waiting_checks_.begin(), waiting_checks_.end(), may);
 }
 

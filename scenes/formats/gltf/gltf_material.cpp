@@ -116,7 +116,8 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
       warnings_.add("an occlusionTexture's strength is taken as 1");
   }
   if (const GltfValue factor = in["emissiveFactor"]) {
-    std::vector<double> glow = factor.numbers({0, 0, 0}, 0, 1);
+    // Above 1 it can only mean what emissiveStrength says since.
+    std::vector<double> glow = factor.numbers({0, 0, 0}, 0, GltfValue::kMost);
     const GltfValue strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"];
     for (double& part : glow) part *= strength.amount(1);
     color(glow, in["emissiveTexture"], made.mutable_emission());

@@ -393,7 +393,7 @@ class GltfReader {
   void light(const GltfValue& in, const std::string& node_name, const Affine& world) {
     v1::Light out;
     if (const GltfValue color = in["color"]) {
-      const auto rgb = color.numbers({1, 1, 1}, 0, 1);
+      const auto rgb = color.numbers({1, 1, 1}, 0, GltfValue::kMost);
       out.mutable_color()->set_r(rgb[0]);
       out.mutable_color()->set_g(rgb[1]);
       out.mutable_color()->set_b(rgb[2]);
