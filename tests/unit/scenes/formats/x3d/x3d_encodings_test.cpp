@@ -191,8 +191,8 @@ TEST(X3dEncodings, OnePartOfTheClassicOneThatCannotBeReadDoesNotCostTheFile) {
        "2:27: 'Infinity'; expected a finite number; the field is left out"},
       {"Background { skyColor [ nan 0, 1 ] }", "2:25: 'nan'; expected a finite number; 0 is taken"},
       {"DEF A Group { } USE B",
-       "2:21: USE of 'B', which is not defined; did you mean 'A'?; expected the DEF name of a node "
-       "before it; it is left out"},
+       "2:21: USE of 'B', which is not defined; expected the DEF name of a node before it; it is "
+       "left out"},
       {"DEF G Group { children USE G }",
        "2:28: USE of 'G' inside itself; expected a graph without cycles; it is left out"},
       {"UNIT length furlong -1",
