@@ -58,7 +58,7 @@ TEST(X3dEncodings, WarningsSayWhereAsErrorsDo) {
             (std::vector<std::string>{
                 "t.x3d:2:2: unknown node 'Foo' is left out; did you mean 'Fog'? (2 times)",
                 "t.x3d:3:20: unknown field 'bar' of Shape is left out",
-                "t.x3d:4:25: transparency of Material outside 0 to 1 is clamped",
+                "t.x3d:4:25: transparency of Material: '2'; expected 0 to 1; 1 is taken",
                 "t.x3d: ignored: 1 TimeSensor", "t.x3d:1:15: unknown version '7' is read as 3.3"}));
   const std::string body =
       "\nShape { geometry IndexedFaceSet {\n coordIndex [ 0 1 0 -1 0 1 2 ]\n"
@@ -70,10 +70,12 @@ TEST(X3dEncodings, WarningsSayWhereAsErrorsDo) {
     EXPECT_EQ(classic,
               (std::vector<std::string>{
                   "t.wrl:3:15: faces with fewer than 3 different points are left out",
-                  "t.wrl:6:11: a Background needs one angle fewer than colours; what is left over "
-                  "is left out",
-                  "t.wrl:8:12: rotation of Transform about no axis is left out",
-                  "t.wrl:9:20: color of PointLight outside 0 to 1 is clamped",
+                  "t.wrl:6:11: skyAngle of Background: 1 angle for 1 colour; expected one angle "
+                  "fewer than colours; what is left over is left out",
+                  "t.wrl:8:12: rotation of Transform: '0 0 0 1'; expected an axis other than "
+                  "0 0 0; it is left out",
+                  "t.wrl:9:20: color of PointLight: '2 0 0'; expected 0 to 1; the nearest colour "
+                  "is taken",
                   "t.wrl:9:42: radius is given twice in PointLight; the first one holds"}))
         << header;
   }
@@ -184,21 +186,23 @@ TEST(X3dEncodings, OnePartOfTheClassicOneThatCannotBeReadDoesNotCostTheFile) {
   };
   const std::vector<Case> cases{
       {"Shape { geometry Sphere { radius 1x } }",
-       "2:34: '1x'; expected a number; the field is left out"},
+       "2:34: radius of Sphere: '1x'; expected a number; the field is left out"},
       {"Transform { translation nan 0 0 }",
-       "2:25: 'nan'; expected a finite number; the field is left out"},
+       "2:25: translation of Transform: 'nan'; expected a finite number; the field is left out"},
       {"Transform { translation 0 Infinity 0 }",
-       "2:27: 'Infinity'; expected a finite number; the field is left out"},
-      {"Background { skyColor [ nan 0, 1 ] }", "2:25: 'nan'; expected a finite number; 0 is taken"},
+       "2:27: translation of Transform: 'Infinity'; expected a finite number; the field is left "
+       "out"},
+      {"Background { skyColor [ nan 0, 1 ] }",
+       "2:25: skyColor of Background: 'nan'; expected a finite number; 0 is taken"},
       {"DEF A Group { } USE B",
-       "2:21: USE of 'B', which is not defined; expected the DEF name of a node before it; it is "
-       "left out"},
+       "2:21: USE of 'B', which is not defined; expected the DEF name of a node "
+       "before it; it is left out"},
       {"DEF G Group { children USE G }",
        "2:28: USE of 'G' inside itself; expected a graph without cycles; it is left out"},
       {"UNIT length furlong -1",
        "2:21: a length unit of -1; expected a factor above 0; it is left out"},
       {"Viewpoint { description 7 }",
-       "2:25: '7'; expected a string in quotes; it is taken for one"},
+       "2:25: description of Viewpoint: '7'; expected a string in quotes; it is taken for one"},
   };
   for (const Case& c : cases) {
     const auto loaded = parse_classic(c.part + " Shape { geometry Box { } }");
@@ -223,7 +227,8 @@ TEST(X3dEncodings, SaysWhatItTakesForZero) {
   const auto warnings =
       parse_classic("PointLight { intensity -1 attenuation 0 -1 1 radius -3 }").warnings;
   ASSERT_EQ(warnings.size(), 3u);
-  EXPECT_EQ(warnings[0], "t.x3dv:2:24: intensity of PointLight below 0 is read as 0");
+  EXPECT_EQ(warnings[0],
+            "t.x3dv:2:24: intensity of PointLight: '-1'; expected 0 or more; 0 is taken");
 }
 
 TEST(X3dEncodings, SuggestsFieldNames) {
@@ -267,9 +272,10 @@ TEST(X3dEncodings, SaysWhatIsGivenTwice) {
   EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
   ASSERT_EQ(loaded.warnings.size(), 2u);
   EXPECT_EQ(loaded.warnings[0],
-            "t.x3dv:2:35: geometry of Shape is given twice; the last one holds");
-  EXPECT_EQ(loaded.warnings[1],
-            "t.x3dv:2:60: radius is given twice in Sphere; the first one holds");
+            "t.x3dv:2:35: geometry of Shape: a second node; expected one; the last one is taken");
+  EXPECT_EQ(
+      loaded.warnings[1],
+      "t.x3dv:2:60: radius is given twice in Sphere; the first one holds");
 }
 
 /// In time that grows with the square of a number these would outlast the test's time limit.
