@@ -112,6 +112,9 @@ TEST(X3dNodes, ValuesOutOfRangeAreToldWithWhatIsTaken) {
        "27: Viewpoint in a flat frame; expected a frame that can be inverted; it is left out"},
       {"<Transform scale='0 1 1'><Background skyColor='1 0 0' groundColor='0 1 0'/></Transform>",
        "27: Background in a flat frame; expected a frame that can be inverted; it is not turned"},
+      {"<Shape><Text string='A'><FontStyle style='BROAD'/></Text></Shape>",
+       "43: style of FontStyle: 'BROAD'; expected one of PLAIN, BOLD, ITALIC, BOLDITALIC; PLAIN is "
+       "taken"},
       {"<Shape><Text string='A'><FontStyle spacing='-1'/></Text></Shape>",
        "45: spacing of FontStyle: '-1'; expected 0 or more; 0 is taken"},
       {"<Shape><TriangleSet><Coordinate point='0 0 0 1 0 0 0 1 0 1 1 0'/></TriangleSet></Shape>",
@@ -152,6 +155,19 @@ TEST(X3dNodes, ValuesOutOfRangeAreTheNearestInIt) {
             "default");
   EXPECT_EQ(of_xml("<Viewpoint nearDistance='5' farDistance='2'/>").scene.cameras(0).far_distance(),
             0);
+}
+
+TEST(X3dNodes, TheStyleOfAFontIsReadInEveryEncoding) {
+  const auto vertices = [](const LoadedScene& loaded) {
+    return blob_values<float>(loaded.scene.nodes(0).shape().mesh().positions(), loaded.blobs);
+  };
+  const auto bold =
+      vertices(of_xml("<Shape><Text string='\"A\"'><FontStyle style='BOLD'/></Text></Shape>"));
+  EXPECT_NE(bold, vertices(of_xml("<Shape><Text string='\"A\"'/></Shape>")));
+  EXPECT_EQ(
+      bold,
+      vertices(parse_classic(
+          "Shape { geometry Text { string \"A\" fontStyle FontStyle { style \"BOLD\" } } }")));
 }
 
 TEST(X3dNodes, GroupsThatDoNothingShowTheirChildren) {
