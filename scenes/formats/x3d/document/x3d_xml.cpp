@@ -124,6 +124,11 @@ class X3dXmlReader {
 
   void add_children(X3dNode& node, const pugi::xml_node& xml, int depth) {
     for (const pugi::xml_node& child : xml.children()) {
+      if (child.type() == pugi::node_pcdata) {
+        const size_t at = std::string_view(child.value()).find_first_not_of(" \t\r\n");
+        document_.remarks_.push_back({offset(child) + at, fmt::format("text in {}", xml.name()),
+                                      "attributes and elements", "it is not read"});
+      }
       if (child.type() != pugi::node_element) continue;
       const std::string_view name = child.name();
       if (name == "IS")

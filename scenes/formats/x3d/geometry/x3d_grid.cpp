@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/plural.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 
 namespace tessera {
@@ -31,10 +32,10 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values) {
   if (columns < 2 || rows < 2) return out;
   // No product of two 32-bit numbers is too large for 64 bits.
   if (columns * rows > heights.size()) {
-    values.repair(
-        node.offset,
-        fmt::format("{} heights of {}, {} x {}", heights.size(), describe(node), columns, rows),
-        "xDimension times zDimension", "the rows that are whole are taken");
+    values.repair(node.offset,
+                  fmt::format("{} of {}, {} x {}", counted(heights.size(), "height"),
+                              describe(node), columns, rows),
+                  "xDimension times zDimension", "the rows that are whole are taken");
     rows = heights.size() / columns;
     if (rows < 2) return out;
   } else if (columns * rows < heights.size()) {

@@ -298,6 +298,8 @@ TEST(X3dEncodings, ElementsThatAreNotReadAreTold) {
             "</ProtoDeclare>" +
                 box + "</Scene></X3D>",
             "2:2: another 'ProtoBody'; expected one of each part of ProtoDeclare" + not_read},
+           {"<X3D><Scene>" + box + "\n0 1</Scene></X3D>",
+            "2:1: text in Scene; expected attributes and elements" + not_read},
            {"<X3D><Scene>\n<Sphere/>" + box + "</Scene></X3D>",
             "2:2: unknown field 'geometry' of Scene is left out"},
        }) {

@@ -220,6 +220,9 @@ TEST(X3dGeometry, OneOddPartDoesNotCostTheShape) {
       {"ElevationGrid { xDimension 2 zDimension 3 height [ 0 1 2 3 4 ] }", 2,
        "5 heights of ElevationGrid, 2 x 3; expected xDimension times zDimension; the rows that are "
        "whole are taken"},
+      {"ElevationGrid { xDimension 2 zDimension 2 height [ 0 1 2 3 4 ] }", 2,
+       "t.x3dv:2:69: height of ElevationGrid: 5 for 2 x 2; expected xDimension times zDimension; "
+       "the first ones are taken"},
       {"IndexedLineSet { " + square + "coordIndex [ 0 1 9 2 3 ] }", 16,
        "coordIndex 9 of IndexedLineSet, which has 4 points; expected an index of a point; the "
        "lines "
