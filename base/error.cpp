@@ -205,7 +205,8 @@ std::optional<std::string> nearest_name(std::string_view name,
   constexpr size_t kLongestName = 256;
   if (name.size() > kLongestName) return std::nullopt;
   const std::string* best = nullptr;
-  size_t best_distance = std::max<size_t>(1, (name.size() + 1) / 3) + 1;
+  // One letter in the place of another one is no likeness where it is the only one.
+  size_t best_distance = std::min(std::max<size_t>(1, (name.size() + 1) / 3) + 1, name.size());
   for (const std::string& candidate : candidates) {
     if (candidate.size() > kLongestName) continue;
     const size_t distance = edit_distance(name, candidate);

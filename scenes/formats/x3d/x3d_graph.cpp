@@ -76,9 +76,9 @@ void X3dTranslator::finish() {
   set_metadata();
 }
 
-void X3dTranslator::warn_unknown_field(size_t offset, const X3dNodeType& type,
+void X3dTranslator::warn_unknown_field(size_t offset, const X3dNode& node, const X3dNodeType& type,
                                        const std::string& name) {
-  values_.warn(offset, fmt::format("unknown field '{}' of {} is left out{}", name, type.name,
+  values_.warn(offset, fmt::format("unknown field '{}' of {} is left out{}", name, node.type,
                                    suggestion(name, type.field_names())));
 }
 
@@ -87,8 +87,9 @@ void X3dTranslator::check_names() {
   // Once a name, and only while the list of warnings takes more: finding the nearest takes time.
   std::map<std::string_view, std::string> unknown;
   for (const X3dNode& node : document_.nodes()) {
-    const X3dNodeType* type = find_x3d_node_type(node.type);
-    if (!type && &node != &document_.scene()) {
+    const bool is_scene = &node == &document_.scene();
+    const X3dNodeType* type = find_x3d_node_type(is_scene ? "Group" : node.type);
+    if (!type) {
       std::string& warning = unknown[node.type];
       if (warning.empty()) {
         const bool listed = unknown.size() <= Warnings::kMostEntries;
@@ -98,19 +99,23 @@ void X3dTranslator::check_names() {
       values_.warn(node.offset, warning);
       continue;
     }
-    if (!type) continue;
     for (const X3dField& field : node.fields) {
-      const bool no_nodes = field.text.empty() && type->has_node_field(field.name);
-      if (!type->has_field(field.name) && !no_nodes)
-        warn_unknown_field(field.offset, *type, field.name);
+      if (type->has_field(field.name)) continue;
+      if (!type->has_node_field(field.name))
+        warn_unknown_field(field.offset, node, *type, field.name);
+      else if (!field.text.empty() && field.text != "NULL")
+        values_.repair(node, field.name, "a node", "it is left out");
     }
     std::set<std::string_view> single;
     for (const X3dNode::Child& child : node.children) {
-      if (!type->has_node_field(child.container))
-        warn_unknown_field(child.node->offset, *type, child.container);
+      if (!type->has_node_field(child.container) && type->has_field(child.container))
+        values_.repair(node, child.container, child.node->offset, describe(*child.node), "a value",
+                       "it is left out");
+      else if (!type->has_node_field(child.container))
+        warn_unknown_field(child.node->offset, node, *type, child.container);
       if (holds_one_node(*type, child.container) && !single.insert(child.container).second)
-        values_.warn(child.node->offset, fmt::format("{} of {} is given twice; the last one holds",
-                                                     child.container, node.type));
+        values_.repair(node, child.container, child.node->offset, "a second node", "one",
+                       "the last one is taken");
     }
   }
 }
@@ -164,8 +169,9 @@ bool X3dTranslator::find_view(const X3dNode& parent, const v1::Transform& path, 
   if (depth > X3dBuild::kMaxDepth || !without_view_.insert(&parent).second) return false;
   for (const X3dNode* child : shown_children(parent)) {
     if (is_viewpoint(child->type)) {
-      out = make_camera(*child, path);
-      return true;
+      const auto made = make_camera(*child, path);
+      if (made) out = *made;
+      if (made) return true;
     }
     if (!is_group(child->type)) continue;
     v1::Transform inner = path;
@@ -202,6 +208,10 @@ void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nod
     build_.has_navigation = true;
     build_.headlight = values_.boolean(node, "headlight", true);
   }
+  const X3dNodeType* type = find_x3d_node_type(node.type);
+  if (type && type->use == X3dNodeType::Use::read && type->container != "children")
+    values_.repair(node.offset, fmt::format("{} among children", describe(node)),
+                   "a Shape, a group, a light or a viewpoint", "it is left out");
 }
 
 void X3dTranslator::add_instance(const X3dNode& node, const v1::Transform& path, Nodes& out) {

@@ -17,7 +17,7 @@ void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
   Vec3 direction = values_.vec3(node, "direction", kAhead);
   const bool directional = node.type == "DirectionalLight";
   if (node.type != "PointLight" && direction == Vec3{}) {
-    values_.repair(node, "direction", "a direction of 0 0 0", "a direction", "0 0 -1 is taken");
+    values_.repair(node, "direction", "a direction", "0 0 -1 is taken");
     direction = kAhead;
   }
   if (directional) {
@@ -31,22 +31,18 @@ void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
                                 : version >= 30 ? std::numbers::pi / 4
                                                 : std::numbers::pi / 2;
     const double default_cut_off = version >= 30 ? std::numbers::pi / 2 : std::numbers::pi / 4;
-    double cut_off = values_.angle(node, "cutOffAngle", default_cut_off);
-    const double beam = values_.angle(node, "beamWidth", default_beam);
-    if (!(cut_off > 0 && cut_off <= std::numbers::pi)) {
-      const bool is_wide = cut_off > 0;
-      constexpr double kRounding = 1e-3;  // of pi written with few digits, as 3.142
-      if (!is_wide || cut_off > std::numbers::pi * (1 + kRounding))
-        values_.repair(node, "cutOffAngle", fmt::format("cutOffAngle {}", cut_off),
-                       "an angle above 0, up to pi",
-                       is_wide ? "pi is taken" : "the light is left out");
-      if (!is_wide) return;
-      cut_off = std::numbers::pi;
-    }
+    constexpr const char* kRange = "an angle above 0, up to pi";
+    const double given = values_.angle(node, "cutOffAngle", default_cut_off);
+    if (given <= 0) return values_.repair(node, "cutOffAngle", kRange, "the light is left out");
+    const double cut_off =
+        values_.clamped_angle(node, "cutOffAngle", given, kRange, std::numbers::pi);
+    const double beam =
+        values_.clamped_angle(node, "beamWidth", values_.angle(node, "beamWidth", default_beam),
+                              "an angle of 0 to pi", std::numbers::pi);
     v1::Light::Spot& spot = *light.mutable_spot();
     put_vec3(location, spot.mutable_position());
     put_vec3(direction, spot.mutable_direction());
-    spot.set_beam_width(degrees_from_radians(std::clamp(beam, 0., cut_off)));
+    spot.set_beam_width(degrees_from_radians(std::min(beam, cut_off)));
     spot.set_cut_off(degrees_from_radians(cut_off));
   }
   put(values_.color(node, "color", kWhite), light.mutable_color());
@@ -70,8 +66,7 @@ void X3dTranslator::set_attenuation(const X3dNode& node, v1::Light& light) {
     factor.set_at_most_one(true);
   }
   if (attenuation.x < 0 || attenuation.y < 0 || attenuation.z < 0)
-    values_.warn(node.field("attenuation")->offset,
-                 fmt::format("attenuation of {} below 0 is read as 0", node.type));
+    values_.repair(node, "attenuation", "0 or more", "0 is taken for what is less");
   const double radius = values_.amount(node, "radius", 100);
   if (radius == 0)
     light.set_off(true);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <array>
+
 #include "scenes/formats/x3d/x3d_translator.h"
 
 namespace tessera {
@@ -79,25 +81,20 @@ v1::Material X3dTranslator::make_material(const Look& look, const X3dNode* node,
 
 void X3dTranslator::set_alpha(const Look& look, v1::Material& material) {
   if (!look.appearance) return;
-  const std::string mode = values_.text(*look.appearance, "alphaMode");
-  if (mode.empty() || mode == "AUTO") return;
-  if (mode == "OPAQUE")
-    material.set_alpha(v1::Material::ALPHA_OPAQUE);
-  else if (mode == "MASK")
-    material.set_alpha(v1::Material::ALPHA_MASK);
-  else if (mode == "BLEND")
-    material.set_alpha(v1::Material::ALPHA_BLEND);
-  else
-    values_.repair(*look.appearance, "alphaMode", fmt::format("alphaMode '{}'", mode),
-                   "AUTO, OPAQUE, MASK or BLEND", "AUTO is taken");
-  if (mode == "MASK") material.set_alpha_cutoff(values_.share(*look.appearance, "alphaCutoff", .5));
+  constexpr std::array<std::string_view, 4> kModes{"AUTO", "OPAQUE", "MASK", "BLEND"};
+  constexpr std::array kAlphas{v1::Material::ALPHA_AUTO, v1::Material::ALPHA_OPAQUE,
+                               v1::Material::ALPHA_MASK, v1::Material::ALPHA_BLEND};
+  material.set_alpha(kAlphas[values_.choice(*look.appearance, "alphaMode",
+                                            values_.text(*look.appearance, "alphaMode"), kModes)]);
+  if (material.alpha() == v1::Material::ALPHA_MASK)
+    material.set_alpha_cutoff(values_.share(*look.appearance, "alphaCutoff", .5));
 }
 
 void X3dTranslator::set_normal_map(const Look& look, const X3dNode& node, v1::Material& material) {
   const std::string map = texture(node.child("normalTexture"), look, false);
   if (map.empty()) return;
   material.set_normal_map(map);
-  material.set_normal_scale(values_.number(node, "normalScale", 1));
+  material.set_normal_scale(values_.amount(node, "normalScale", 1));
 }
 
 /// Clause 17.2.2.4; `back` takes the back fields of a TwoSidedMaterial.

@@ -16,8 +16,7 @@ constexpr const char* kLeftOut = "the shape is left out";
 double positive(const X3dValues& values, const X3dNode& node, const char* name, double otherwise) {
   const double value = values.number(node, name, otherwise);
   if (value > 0) return value;
-  values.repair(node, name, fmt::format("{} {} of {}", name, value, describe(node)),
-                "a length above 0", kLeftOut);
+  values.repair(node, name, "a length above 0", kLeftOut);
   return 0;
 }
 
@@ -33,8 +32,7 @@ bool set_box(const X3dNode& node, const X3dValues& values, v1::Box& box) {
   put_vec3(size * -0.5, box.mutable_min());
   put_vec3(size * 0.5, box.mutable_max());
   if (size.x > 0 && size.y > 0 && size.z > 0) return true;
-  values.repair(node, "size", fmt::format("size of {}", describe(node)), "lengths above 0",
-                kLeftOut);
+  values.repair(node, "size", "lengths above 0", kLeftOut);
   return false;
 }
 
@@ -56,11 +54,10 @@ bool set_cone(const X3dNode& node, const X3dValues& values, v1::Cone& cone) {
 }
 
 bool set_rectangle(const X3dNode& node, const X3dValues& values, v1::Rectangle& rectangle) {
-  auto size = values.numbers(node, "size", 2);
+  auto size = values.exactly(node, "size", 2);
   if (size.empty()) size = {2, 2};
-  if (size.size() != 2 || !(size[0] > 0 && size[1] > 0)) {
-    values.repair(node, "size", fmt::format("size of {}", describe(node)), "two lengths above 0",
-                  kLeftOut);
+  if (!(size[0] > 0 && size[1] > 0)) {
+    values.repair(node, "size", "lengths above 0", kLeftOut);
     return false;
   }
   put_vec3({-size[0] / 2, -size[1] / 2, 0}, rectangle.mutable_corner());
@@ -75,8 +72,8 @@ bool set_disc(const X3dNode& node, const X3dValues& values, v1::Disc& disc) {
   const double inner = values.number(node, "innerRadius", 0);
   const bool is_empty = inner >= disc.radius();
   if (is_empty || inner < 0)
-    values.repair(node, "innerRadius", fmt::format("innerRadius {}", inner),
-                  "0 or more, and less than outerRadius", is_empty ? kLeftOut : "0 is taken");
+    values.repair(node, "innerRadius", "0 or more, and less than outerRadius",
+                  is_empty ? kLeftOut : "0 is taken");
   disc.set_inner_radius(std::max(0., inner));
   return !is_empty;
 }

@@ -1,33 +1,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "base/plural.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 
 namespace {
 
 /// Angles in degrees, increasing and one fewer than the colours.
-template <typename Warn>
-std::vector<double> ring_angles(std::vector<double> radians, size_t colors, double most,
-                                const Warn& warn) {
-  if (radians.size() + 1 != colors && !(radians.empty() && colors == 0)) {
-    warn("a Background needs one angle fewer than colours; what is left over is left out");
-    radians.resize(std::min(radians.size(), colors == 0 ? 0 : colors - 1));
+std::vector<double> ring_angles(const X3dValues& values, const X3dNode& node, const char* name,
+                                std::vector<double> angles, size_t colors, double most) {
+  if (angles.size() + 1 != colors && !(angles.empty() && colors == 0)) {
+    const X3dField* field = node.field(name);
+    values.repair(
+        node, name, field ? field->offset : node.offset,
+        fmt::format("{} for {}", counted(angles.size(), "angle"), counted(colors, "colour")),
+        "one angle fewer than colours", "what is left over is left out");
+    angles.resize(std::min(angles.size(), colors == 0 ? 0 : colors - 1));
   }
   double last = 0;
-  for (double& angle : radians) {
-    const double degrees = std::min(degrees_from_radians(angle), most);
-    if (degrees < last) warn("angles of a Background that fall are raised to the last one");
+  for (double& angle : angles) {
+    const double inside = values.clamped_angle(
+        node, name, angle, most > 2 ? "angles of 0 to pi" : "angles of 0 to pi / 2", most);
+    if (degrees_from_radians(inside) < last)
+      values.repair(node, name, "angles that do not fall", "they are raised to the last one");
     // Equal angles make a sharp edge.
-    angle = std::max(degrees, std::nextafter(last, 360));
-    last = angle;
+    angle = last = std::max(degrees_from_radians(inside), std::nextafter(last, 360));
   }
-  return radians;
+  return angles;
 }
 
 }  // namespace
@@ -45,7 +52,12 @@ void X3dTranslator::set_background(const X3dNode& node, const v1::Transform& pat
   cube.set_bottom(sky_texture(node, "bottom"));
   if (cube.ByteSizeLong() > 0) *background.mutable_cube() = std::move(cube);
   const bool turns = background.has_cube() || !background.has_solid();
-  if (path.steps_size() > 0 && turns) *background.mutable_orientation() = path;
+  if (path.steps_size() == 0 || !turns) return;
+  if (is_invertible(to_affine(path)))
+    *background.mutable_orientation() = path;
+  else
+    values_.repair(node.offset, fmt::format("{} in a flat frame", describe(node)),
+                   "a frame that can be inverted", "it is not turned");
 }
 
 void X3dTranslator::set_sky(const X3dNode& node, v1::Background& background) {
@@ -65,15 +77,10 @@ void X3dTranslator::set_sky(const X3dNode& node, v1::Background& background) {
     put(ground[0], background.mutable_gradient()->mutable_ground());
   } else {
     v1::Background::Rings& rings = *background.mutable_rings();
-    const auto warn_at = [&](const char* angles) {
-      const X3dField* field = node.field(angles);
-      return [this, offset = field ? field->offset : node.offset](const char* what) {
-        values_.warn(offset, what);
-      };
-    };
-    sky_angles = ring_angles(std::move(sky_angles), sky.size(), 180, warn_at("skyAngle"));
-    ground_angles =
-        ring_angles(std::move(ground_angles), ground.size(), 90, warn_at("groundAngle"));
+    sky_angles =
+        ring_angles(values_, node, "skyAngle", std::move(sky_angles), sky.size(), std::numbers::pi);
+    ground_angles = ring_angles(values_, node, "groundAngle", std::move(ground_angles),
+                                ground.size(), std::numbers::pi / 2);
     sky.resize(std::min(sky.size(), sky_angles.size() + 1));
     ground.resize(std::min(ground.size(), ground_angles.size() + 1));
     for (const Color& color : sky) put(color, rings.add_sky());
@@ -85,15 +92,12 @@ void X3dTranslator::set_sky(const X3dNode& node, v1::Background& background) {
 
 void X3dTranslator::set_fog(const X3dNode& node, const v1::Transform& path) {
   build_.has_fog = true;
-  const double range = values_.number(node, "visibilityRange", 0) * mean_scale(path);
-  if (range <= 0) return;
+  const double range = values_.amount(node, "visibilityRange", 0) * mean_scale(path);
+  if (range == 0) return;
   v1::Fog& fog = *out_.scene.mutable_fog();
-  const std::string type = values_.text(node, "fogType");
-  if (type == "EXPONENTIAL")
+  constexpr std::array<std::string_view, 2> kTypes{"LINEAR", "EXPONENTIAL"};
+  if (values_.choice(node, "fogType", values_.text(node, "fogType"), kTypes) == 1)
     fog.set_kind(v1::Fog::EXPONENTIAL);
-  else if (!type.empty() && type != "LINEAR")
-    values_.repair(node, "fogType", fmt::format("fogType '{}'", type), "LINEAR or EXPONENTIAL",
-                   "LINEAR is taken");
   put(values_.color(node, "color", kWhite), fog.mutable_color());
   fog.set_visibility_range(range);
 }

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "base/file.h"
+#include "base/plural.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/data_uri.h"
@@ -44,10 +46,15 @@ void put_texels(DecodedTexture texture, v1::Texture::Image& image, BlobStore& bl
   image.mutable_texels()->set_digest(blobs.put(std::move(texture.texels)).hex());
 }
 
-v1::Texture::Image::Wrap wrap_of(const std::string& mode, v1::Texture::Image::Wrap otherwise) {
-  if (mode == "REPEAT") return v1::Texture::Image::REPEAT;
-  if (mode == "MIRRORED_REPEAT") return v1::Texture::Image::MIRROR;
-  return mode.starts_with("CLAMP") ? v1::Texture::Image::CLAMP : otherwise;
+v1::Texture::Image::Wrap wrap_of(const X3dValues& values, const X3dNode& properties,
+                                 const char* field, v1::Texture::Image::Wrap otherwise) {
+  using Image = v1::Texture::Image;
+  constexpr std::array<std::string_view, 5> kModes{"REPEAT", "MIRRORED_REPEAT", "CLAMP",
+                                                   "CLAMP_TO_EDGE", "CLAMP_TO_BOUNDARY"};
+  constexpr std::array kWraps{Image::REPEAT, Image::MIRROR, Image::CLAMP, Image::CLAMP,
+                              Image::CLAMP};
+  const std::string mode = values.text(properties, field);
+  return mode.empty() ? otherwise : kWraps[values.choice(properties, field, mode, kModes)];
 }
 
 void add_matrix(const Affine& affine, v1::Transform& out) {
@@ -62,15 +69,12 @@ X3dTranslator::Coordinates X3dTranslator::coordinates_of(const X3dNode& geometry
                                                          const X3dValues& values) {
   const X3dNode* node = geometry.child("texCoord");
   if (!node || node->type != "TextureCoordinateGenerator") return Coordinates::uv;
-  const std::string mode = values.text(*node, "mode");
-  if (mode == "COORD") return Coordinates::coord;
-  if (mode == "COORD-EYE" || mode == "CAMERASPACEPOSITION") return Coordinates::coord_eye;
-  if (mode == "SPHERE-LOCAL") return Coordinates::sphere_local;
-  if (mode == "CAMERASPACENORMAL") return Coordinates::camera_space_normal;
-  if (!mode.empty() && mode != "SPHERE")
-    values.warn(node->field("mode")->offset,
-                fmt::format("TextureCoordinateGenerator of mode '{}' is read as SPHERE", mode));
-  return Coordinates::sphere;
+  using enum Coordinates;
+  constexpr std::array<std::string_view, 6> kModes{
+      "SPHERE", "COORD", "COORD-EYE", "CAMERASPACEPOSITION", "SPHERE-LOCAL", "CAMERASPACENORMAL"};
+  constexpr std::array kMeant{sphere,    coord,        coord_eye,
+                              coord_eye, sphere_local, camera_space_normal};
+  return kMeant[values.choice(*node, "mode", values.text(*node, "mode"), kModes)];
 }
 
 /// The step from what the mapping gives to the coordinate that X3D means comes before all others.
@@ -149,9 +153,12 @@ void X3dTranslator::set_wrapping(const X3dNode& node, v1::Texture::Image& image)
   image.set_wrap_t(values_.boolean(node, "repeatT", true) ? Image::REPEAT : Image::CLAMP);
   const X3dNode* properties = node.child("textureProperties");
   if (!properties || properties->type != "TextureProperties") return;
-  image.set_wrap_s(wrap_of(values_.text(*properties, "boundaryModeS"), image.wrap_s()));
-  image.set_wrap_t(wrap_of(values_.text(*properties, "boundaryModeT"), image.wrap_t()));
-  if (values_.text(*properties, "magnificationFilter") == "NEAREST_PIXEL")
+  image.set_wrap_s(wrap_of(values_, *properties, "boundaryModeS", image.wrap_s()));
+  image.set_wrap_t(wrap_of(values_, *properties, "boundaryModeT", image.wrap_t()));
+  constexpr std::array<std::string_view, 5> kFilters{"DEFAULT", "AVG_PIXEL", "FASTEST", "NICEST",
+                                                     "NEAREST_PIXEL"};
+  const std::string filter = values_.text(*properties, "magnificationFilter");
+  if (values_.choice(*properties, "magnificationFilter", filter, kFilters) == 4)
     image.set_filter(Image::NEAREST);
 }
 
@@ -159,8 +166,8 @@ void X3dTranslator::set_wrapping(const X3dNode& node, v1::Texture::Image& image)
 /// makes the picture half as large.
 v1::Transform X3dTranslator::texture_transform(const X3dNode& node) const {
   const auto pair = [&](const char* name, double otherwise) {
-    const auto v = values_.numbers(node, name, 2);
-    return v.size() < 2 ? Vec3{otherwise, otherwise, 0} : Vec3{v[0], v[1], 0};
+    const auto v = values_.exactly(node, name, 2);
+    return v.empty() ? Vec3{otherwise, otherwise, 0} : Vec3{v[0], v[1], 0};
   };
   const Vec3 center = pair("center", 0), scale = pair("scale", 1);
   v1::Transform out;
@@ -268,20 +275,17 @@ std::string X3dTranslator::placeholder_texture() {
 }
 
 std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image image) {
-  auto pixels = values_.integers(node, "image").values;
+  auto [pixels, offsets] = values_.integers(node, "image");
   if (pixels.empty()) return "";
   constexpr std::string_view kLeftOut = "it is left out";
   if (pixels.size() < 3) {
-    values_.repair(node, "image", "an image without its size", "width, height and components",
-                   kLeftOut);
+    values_.repair(node, "image", "width, height and components", kLeftOut);
     return "";
   }
   const int32_t width = pixels[0], height = pixels[1], components = pixels[2];
   if (width < 0 || height < 0 || width > kMaxPixelSide || height > kMaxPixelSide ||
       components < 0 || components > 4) {
-    values_.repair(node, "image",
-                   fmt::format("an image of {} x {} with {} components", width, height, components),
-                   "sides of 0 to 65536 and 0 to 4 components", kLeftOut);
+    values_.repair(node, "image", "sides of 0 to 65536 and 0 to 4 components", kLeftOut);
     return "";
   }
   const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
@@ -289,8 +293,8 @@ std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image
   if (const size_t given = pixels.size() - 3; given != count) {
     // A short text shall not become a large picture.
     const bool is_kept = given >= count / 2;
-    values_.repair(node, "image",
-                   fmt::format("{} pixels in an image of {} x {}", given, width, height),
+    values_.repair(node, "image", offsets[0],
+                   fmt::format("{} for {} x {}", counted(given, "pixel"), width, height),
                    "one number a pixel",
                    given > count ? "the first ones are taken"
                    : is_kept     ? "the others are 0"
@@ -298,6 +302,12 @@ std::string X3dTranslator::pixel_texture(const X3dNode& node, v1::Texture::Image
     if (!is_kept) return "";
     pixels.resize(3 + count);
   }
+  const uint32_t most = UINT32_MAX >> (32 - 8 * components);
+  for (size_t i = 3; i < pixels.size() && i < offsets.size(); ++i)
+    if (const auto pixel = static_cast<uint32_t>(pixels[i]); pixel > most)
+      values_.repair(node, "image", offsets[i], fmt::format("pixel {}", pixels[i]),
+                     fmt::format("0 to {}", most),
+                     fmt::format("its low {} bits are taken", 8 * components));
   put_texels(from_bottom_up(pixels, static_cast<uint32_t>(components)), image, out_.blobs);
   v1::Texture texture;
   *texture.mutable_image() = std::move(image);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -79,12 +80,14 @@ class X3dTranslator {
                           const v1::Transform& path, v1::Node& out);
   void add_file(const std::string& file, const std::string& name, const v1::Transform& path);
   void check_names();
-  void warn_unknown_field(size_t offset, const X3dNodeType& type, const std::string& name);
+  void warn_unknown_field(size_t offset, const X3dNode& node, const X3dNodeType& type,
+                          const std::string& name);
   void list_ignored();
 
   // Cameras, lights and what surrounds the scene (x3d_view.cpp, x3d_lights.cpp, x3d_sky.cpp).
   void add_camera(const X3dNode& node, const v1::Transform& path);
-  v1::Camera make_camera(const X3dNode& node, const v1::Transform& path) const;
+  /// Nothing where its frame is flat.
+  std::optional<v1::Camera> make_camera(const X3dNode& node, const v1::Transform& path) const;
   bool find_view(const X3dNode& parent, const v1::Transform& path, int depth, v1::Camera& out);
   void add_light(const X3dNode& node, Nodes& out);
   void set_attenuation(const X3dNode& node, v1::Light& light);

@@ -8,6 +8,7 @@
 #include "renderer/math/encodings.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 
@@ -19,23 +20,30 @@ void X3dBuild::put(const Color& color, v1::Color* out_color) const {
 }
 
 void X3dTranslator::add_camera(const X3dNode& node, const v1::Transform& path) {
-  v1::Camera made = make_camera(node, path);
-  const std::string& description = made.description();
-  made.set_name(build_.unique(build_.camera_names, !node.def.empty()      ? node.def
-                                                   : !description.empty() ? description
-                                                                          : "Viewpoint"));
-  *out_.scene.add_cameras() = std::move(made);
+  std::optional<v1::Camera> made = make_camera(node, path);
+  if (!made) return;
+  const std::string& description = made->description();
+  made->set_name(build_.unique(build_.camera_names, !node.def.empty()      ? node.def
+                                                    : !description.empty() ? description
+                                                                           : "Viewpoint"));
+  *out_.scene.add_cameras() = *std::move(made);
 }
 
-v1::Camera X3dTranslator::make_camera(const X3dNode& node, const v1::Transform& path) const {
+std::optional<v1::Camera> X3dTranslator::make_camera(const X3dNode& node,
+                                                     const v1::Transform& path) const {
   v1::Camera camera;
   camera.set_description(values_.text(node, "description"));
   v1::Transform& frame = *camera.mutable_world_from_camera();
   frame = path;
   add_translation(values_.vec3(node, "position", {0, 0, 10}), frame);
   add_rotation(values_.rotation(node, "orientation"), frame);
+  if (!is_invertible(to_affine(frame))) {
+    values_.repair(node.offset, fmt::format("{} in a flat frame", describe(node)),
+                   "a frame that can be inverted", "it is left out");
+    return std::nullopt;
+  }
   if (node.type == "OrthoViewpoint") {
-    const auto sides = values_.numbers(node, "fieldOfView", 4);
+    const auto sides = values_.exactly(node, "fieldOfView", 4);
     v1::Orthographic& view = *camera.mutable_orthographic();
     if (sides.size() == 4) {
       if (sides[0] < sides[2] && sides[1] < sides[3]) {
@@ -44,23 +52,26 @@ v1::Camera X3dTranslator::make_camera(const X3dNode& node, const v1::Transform& 
         view.set_max_x(sides[2]);
         view.set_max_y(sides[3]);
       } else {
-        values_.repair(node, "fieldOfView", "an empty field of view",
-                       "minimum x and y below maximum x and y", "-1 -1 1 1 is taken");
+        values_.repair(node, "fieldOfView", "minimum x and y below maximum x and y",
+                       "-1 -1 1 1 is taken");
       }
     }
   } else {
     constexpr double kUsual = std::numbers::pi / 4;
     double angle = values_.angle(node, "fieldOfView", kUsual);
     if (!(angle > 0 && angle < std::numbers::pi)) {
-      values_.repair(node, "fieldOfView", fmt::format("fieldOfView {}", angle),
-                     "an angle between 0 and pi", "pi / 4 is taken");
+      values_.repair(node, "fieldOfView", "an angle between 0 and pi", "pi / 4 is taken");
       angle = kUsual;
     }
     camera.mutable_perspective()->set_field_of_view(degrees_from_radians(angle));
     camera.mutable_perspective()->set_axis(v1::Perspective::SMALLER);
   }
   camera.set_near_distance(std::max(0., values_.number(node, "nearDistance", -1)));
-  camera.set_far_distance(std::max(0., values_.number(node, "farDistance", -1)));
+  const double far_distance = values_.number(node, "farDistance", -1);
+  if (far_distance > camera.near_distance())
+    camera.set_far_distance(far_distance);
+  else if (far_distance > 0)
+    values_.repair(node, "farDistance", "more than nearDistance", "it is left out");
   camera.set_frame_all(values_.boolean(node, "viewAll", false));
   return camera;
 }

@@ -38,6 +38,7 @@ TEST(NearestName, FindsASlipOfThePenAndNothingFarther) {
   EXPECT_EQ(nearest_name("pthh", names), std::nullopt);
   EXPECT_EQ(nearest_name("octree", names), std::nullopt);
   EXPECT_EQ(suggestion("normal", names), "; did you mean 'normals'?");
+  EXPECT_EQ(suggestion("1", std::vector<std::string>{"0"}), "") << "no letter of it is the same";
 }
 
 TEST(NearestName, FindsWhatANameIsShortFor) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -14,7 +13,7 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kMaxSearched = 100;
+constexpr size_t kMostShown = 40;  ///< of a word that an error or a warning tells
 
 bool is_space(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_mark(char c) { return c == '[' || c == ']' || c == '{' || c == '}' || c == '"'; }
@@ -84,8 +83,9 @@ class X3dClassicReader {
     size_t offset = 0;
     bool is_string() const { return text.starts_with('"'); }
     bool is(std::string_view other) const { return text == other; }
-    /// Whether it can begin a node.
     bool is_name() const { return !text.empty() && is_letter(text[0]) && !is_bool(text); }
+    /// Whether it is a string, a word or a number, and not the end or a bracket.
+    bool is_value() const { return is_string() || (!text.empty() && !is_mark(text[0])); }
   };
 
   void read_header() {
@@ -137,7 +137,7 @@ class X3dClassicReader {
   }
 
   Error unexpected(const Token& token, std::string_view expected) const {
-    const std::string_view start = token.text.substr(0, 40);
+    const std::string_view start = token.text.substr(0, kMostShown);
     return document_.error(
         token.offset,
         token.text.empty() ? std::string("the end of the file") : fmt::format("'{}'", start),
@@ -153,6 +153,26 @@ class X3dClassicReader {
     const Token token = take();
     if (!token.is_name()) throw unexpected(token, what);
     return std::string(token.text);
+  }
+
+  /// Whether a node begins there, as names do that a brace follows.
+  bool begins_node(const Token& token) const {
+    return token.is("DEF") || token.is("USE") ||
+           (token.is_name() && token_from(token.offset + token.text.size()).is("{"));
+  }
+
+  void tell_of(size_t offset, std::string_view found, std::string_view expected) {
+    document_.remarks_.push_back(
+        {offset, std::string(found), std::string(expected), "it is left out"});
+  }
+
+  /// Takes a value that stands where none may. False where something else does.
+  bool skip_stray_value() {
+    const Token token = peek();
+    if (!token.is_value()) return false;
+    tell_of(take().offset, fmt::format("'{}'", token.text.substr(0, kMostShown)),
+            "the name of a field or a node");
+    return true;
   }
 
   /// What may stand beside nodes. False where a node or a field begins.
@@ -174,7 +194,7 @@ class X3dClassicReader {
         take();
       }
     } else {
-      return false;
+      return !token.is_name() && skip_stray_value();
     }
     return true;
   }
@@ -188,8 +208,10 @@ class X3dClassicReader {
     } else if (token.is("META")) {
       take();
       const Token name = take(), content = take();
-      if (!name.is_string() || !content.is_string()) throw unexpected(name, "two strings");
-      document_.metadata_[inside(name)] = inside(content);
+      if (name.is_string() && content.is_string())
+        document_.metadata_[inside(name)] = inside(content);
+      else
+        tell_of(name.offset, "META without two strings", "a name and a content in quotes");
     } else if (token.is("UNIT")) {
       read_unit();
     } else {
@@ -203,26 +225,26 @@ class X3dClassicReader {
 
   void read_unit() {
     take();
-    const std::string category = take_name("a category");
-    take_name("the unit's name");
+    const Token category = take();
+    take();  // its name
     const Token factor = take();
-    double value = 0;
-    std::from_chars(factor.text.data(), factor.text.data() + factor.text.size(), value);
-    tree_.set_unit(category, value, factor.offset);
+    tree_.set_unit(category.text, factor.text, factor.offset);
   }
 
   X3dNode* read_node(int depth) {
     const Token token = take();
     if (token.is("USE")) {
-      const size_t at = peek().offset;
-      return tree_.use(take_name("the DEF name of a node"), {}, at);
+      const Token name = take();
+      if (!name.is_value()) throw unexpected(name, "the DEF name of a node");
+      return tree_.use(std::string(name.text), {}, name.offset);
     }
     std::string def;
     Token type = token;
     if (token.is("DEF")) {
-      def = take().text;
+      const Token name = take();
+      def = name.text;
       type = take();
-      if (def.empty() || is_mark(def[0])) throw unexpected(token, "DEF, a name and a node");
+      if (!name.is_value()) throw unexpected(token, "DEF, a name and a node");
     }
     if (!type.is_name()) throw unexpected(type, "a node");
     const X3dPrototype* prototype = tree_.prototype(std::string(type.text));
@@ -281,13 +303,13 @@ class X3dClassicReader {
     if (first.is("IS")) {
       take();
       node.is.push_back({name, take_name("a field of the prototype")});
-    } else if (first.is("NULL")) {
-      take();
     } else if (first.is("[")) {
       take();
       read_list(node, name, depth);
-    } else if (first.is_name() && !is_endless(first.text)) {
+    } else if (begins_node(first)) {
       tree_.add_child(node, name, read_node(depth + 1));
+    } else if (first.is("}")) {
+      tell_of(first.offset, fmt::format("{} without a value", name), "one before '}'");
     } else {
       const Token last = skip_plain_value();
       add_field(node, name, first.offset, last.offset + last.text.size());
@@ -295,29 +317,33 @@ class X3dClassicReader {
   }
 
   void read_list(X3dNode& node, const std::string& name, int depth) {
-    const Token first = peek();
-    if (first.is_name() && !is_endless(first.text)) {
-      while (!peek().is("]"))
-        if (!read_aside(depth)) tree_.add_child(node, name, read_node(depth + 1));
-      take();
-      return;
-    }
+    bool has_nodes = false;
+    Token first{{}, peek().offset};
     size_t end = first.offset;
-    for (Token token = take(); !token.is("]"); token = take()) {
-      if (token.text.empty() || (is_mark(token.text[0]) && !token.is_string()))
+    for (Token token = peek(); !token.is("]"); token = peek()) {
+      if (token.is_name() && read_aside(depth)) continue;
+      if (begins_node(token)) {
+        tree_.add_child(node, name, read_node(depth + 1));
+        has_nodes = true;
+        continue;
+      }
+      if (!token.is_value())
         throw unexpected(token, fmt::format("']' after the values of {}", name));
-      end = token.offset + token.text.size();
+      if (first.text.empty()) first = token;
+      end = token.offset + take().text.size();
     }
-    add_field(node, name, first.offset, end);
+    take();
+    if (!has_nodes)
+      add_field(node, name, first.offset, end);
+    else if (!first.text.empty())
+      tell_of(first.offset, fmt::format("'{}' among nodes", first.text.substr(0, kMostShown)),
+              "nodes only");
   }
 
   void add_field(X3dNode& node, const std::string& name, size_t begin, size_t end) {
     const std::string_view text = document_.text_;
-    // Looking for it takes time in the number of fields, and no node has many.
-    if (node.fields.size() < kMaxSearched && node.field(name))
-      document_.remarks_.push_back(
-          {begin,
-           fmt::format("{} is given twice in {}; the first one holds", name, describe(node))});
+    if (node.fields.size() < X3dTree::kMaxSearched && node.field(name))
+      tree_.tell_of_second(name, describe(node), begin);
     node.fields.push_back({name, text.substr(begin, end - begin), begin});
   }
 
@@ -325,10 +351,10 @@ class X3dClassicReader {
   Token skip_plain_value() {
     Token last = take();
     if (last.is_string() || is_bool(last.text)) return last;
-    if (last.text.empty() || is_mark(last.text[0])) throw unexpected(last, "a value");
+    if (!last.is_value()) throw unexpected(last, "a value");
     const auto is_number = [](const Token& token) {
-      return !token.text.empty() && !is_mark(token.text[0]) &&
-             (!is_letter(token.text[0]) || is_endless(token.text));
+      return token.is_value() && !token.is_string() && !is_bool(token.text) &&
+             (!token.is_name() || is_endless(token.text));
     };
     while (is_number(peek())) last = take();
     return last;
@@ -354,7 +380,7 @@ class X3dClassicReader {
     tree_.begin_prototype();
     expect("[");
     while (!peek().is("]"))
-      if (!read_interface(made.interface_node, depth))
+      if (!read_interface(made.interface_node, depth) && !skip_stray_value())
         throw unexpected(peek(), "a field of the prototype, or ']'");
     take();
     expect("{");

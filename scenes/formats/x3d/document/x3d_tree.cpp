@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <limits>
+
+#include "scenes/formats/x3d/document/x3d_number.h"
 
 namespace tessera {
 
@@ -176,18 +179,27 @@ void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying)
   }
 }
 
-void X3dTree::set_unit(const std::string& category, double factor, size_t offset) {
-  if (!(factor > 0) || !std::isfinite(factor))
-    document_.remarks_.push_back({offset, fmt::format("a {} unit of {}", category, factor),
-                                  "a factor above 0", "it is left out"});
+void X3dTree::set_unit(std::string_view category, std::string_view factor, size_t offset) {
+  constexpr std::array<std::string_view, 4> kCategories{"angle", "force", "length", "mass"};
+  double value = 0;
+  const bool is_known = std::ranges::find(kCategories, category) != kCategories.end();
+  const char* const rule = read_x3d_number(factor, value);
+  if (!is_known)
+    document_.remarks_.push_back({offset, fmt::format("a unit of '{}'", category),
+                                  "angle, force, length or mass", "it is left out"});
+  else if (rule || !(value >= double{std::numeric_limits<float>::min()}))
+    document_.remarks_.push_back({offset, fmt::format("a {} unit of '{}'", category, factor),
+                                  "a factor above 0 in the range of single precision",
+                                  "it is left out"});
   else if (category == "length")
-    document_.metres_per_unit_ = factor;
+    document_.metres_per_unit_ = value;
   else if (category == "angle")
-    document_.radians_per_unit_ = factor;
-  else if (category != "mass" && category != "force")
-    document_.remarks_.push_back(
-        {offset,
-         fmt::format("unit of '{}' is left out; expected angle, force, length or mass", category)});
+    document_.radians_per_unit_ = value;
+}
+
+void X3dTree::tell_of_second(std::string_view field, std::string_view owner, size_t offset) {
+  document_.remarks_.push_back({offset, fmt::format("{} is given twice in {}", field, owner),
+                                "one value", "the first one is taken"});
 }
 
 }  // namespace tessera

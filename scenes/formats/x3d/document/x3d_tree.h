@@ -38,6 +38,9 @@ class X3dTree {
  public:
   static constexpr size_t kMaxCopies = 200000;          ///< nodes that prototypes become
   static constexpr size_t kMaxCopiedBytes = 64u << 20;  ///< of text in their fields
+  /// So many fields of a node are looked through for a second one of a name, which takes time in
+  /// their number.
+  static constexpr size_t kMaxSearched = 100;
 
   explicit X3dTree(X3dDocument& document) : document_(document) { scopes_.emplace_back(); }
 
@@ -63,7 +66,10 @@ class X3dTree {
   /// A copy of the prototype's body with the fields and children of `given` in place of its own.
   X3dNode* instantiate(const X3dPrototype& prototype, const X3dNode& given);
 
-  void set_unit(const std::string& category, double factor, size_t offset);
+  /// `factor` as it is written, at `offset`.
+  void set_unit(std::string_view category, std::string_view factor, size_t offset);
+  /// Tells of a field, which begins at `offset`, that `owner` has already.
+  void tell_of_second(std::string_view field, std::string_view owner, size_t offset);
 
  private:
   struct Scope {

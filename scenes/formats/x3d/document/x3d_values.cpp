@@ -7,7 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "scenes/import/decimal.h"
+#include "base/plural.h"
+#include "scenes/formats/x3d/document/x3d_number.h"
 
 namespace tessera {
 namespace {
@@ -32,16 +33,6 @@ void for_each_word(std::string_view text, const Action& action) {
     while (at < text.size() && !is_separator(text[at])) ++at;
     action(text.substr(begin, at - begin), begin);
   }
-}
-
-/// Reads a number; returns the rule that the word breaks, or null.
-template <typename Number>
-const char* parse(std::string_view word, Number& value) {
-  const char* const end = word.data() + word.size();
-  const auto [stop, problem] = read_decimal(word.data(), end, value);
-  if (stop != end || problem == std::errc::invalid_argument) return "a number";
-  if (problem == std::errc::result_out_of_range) return "a number in the range of its precision";
-  return std::isfinite(value) ? nullptr : "a finite number";
 }
 
 /// What stands between the quotes of the string that begins at `at`, which is moved behind it. One
@@ -74,15 +65,17 @@ void X3dValues::spend(size_t bytes, size_t offset) const {
                                       kMaxReadBytes >> 20, kMaxReadTimes));
 }
 
-void X3dValues::warn_of(const X3dNode& node, std::string_view name, std::string_view what) const {
-  const X3dField* field = node.field(name);
-  warnings_.repair(fmt::format("{} of {} {}", name, node.type, what),
-                   [&] { return document_.place(field ? field->offset : node.offset); });
+void X3dValues::repair(const X3dNode& node, std::string_view name, std::string_view expected,
+                       std::string_view taken) const {
+  const X3dField& field = *node.field(name);
+  repair(node, name, field.offset, shown(field.text), expected, taken);
 }
 
-void X3dValues::repair(const X3dNode& node, std::string_view name, std::string_view found,
-                       std::string_view expected, std::string_view taken) const {
-  repair(node.field(name)->offset, found, expected, taken);
+void X3dValues::repair(const X3dNode& node, std::string_view name, size_t offset,
+                       std::string_view found, std::string_view expected,
+                       std::string_view taken) const {
+  const auto where = [&] { return document_.place(offset); };
+  warnings_.repair(found, expected, taken, where, fmt::format("{} of {}", name, node.type));
 }
 
 template <typename Number>
@@ -93,15 +86,13 @@ std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name, 
   if (!field) return values;
   for_each_word(field->text, [&](std::string_view word, size_t at) {
     Number value = 0;
-    if (const char* const rule = parse(word, value)) {
-      repair(field->offset + at, shown(word), rule, taken);
-      value = std::numeric_limits<Number>::quiet_NaN();
-    }
+    if (const char* const rule = read_x3d_number(word, value))
+      repair(node, name, field->offset + at, shown(word), rule,
+             std::isnan(value) ? taken : fmt::format("{:.6g} is taken", value));
     values.push_back(value);
   });
   if (values.size() % width != 0) {
-    repair(field->offset,
-           fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
+    repair(node, name, field->offset, counted(values.size(), "number"),
            fmt::format("a multiple of {}", width), "the last ones are left out");
     values.resize(values.size() / width * width);
   }
@@ -124,8 +115,7 @@ bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwi
   for (const char c : field->text)
     if (!is_separator(c)) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
   if (lower != "true" && lower != "false") {
-    repair(node, name, shown(field->text), "true or false",
-           fmt::format("{} is taken for {}", otherwise, name));
+    repair(node, name, "true or false", fmt::format("{} is taken", otherwise));
     return otherwise;
   }
   if (lower != field->text && !document_.quotes_strings())
@@ -139,9 +129,10 @@ std::vector<double> X3dValues::exactly(const X3dNode& node, std::string_view nam
   std::vector<double> values = list<double>(node, name, 1, kLeftOut);
   const X3dField* field = node.field(name);
   if (field && values.size() != count)
-    repair(field->offset,
-           fmt::format("{} numbers in {} of {}", values.size(), name, describe(node)),
-           fmt::format("{}", count), values.size() < count ? kLeftOut : "the first ones are taken");
+    repair(node, name, field->offset, counted(values.size(), "number"), fmt::format("{}", count),
+           values.size() < count ? kLeftOut
+           : count == 1          ? "the first one is taken"
+                                 : "the first ones are taken");
   values.resize(values.size() < count ? 0 : count);
   for (const double value : values)
     if (std::isnan(value)) return {};
@@ -164,29 +155,38 @@ std::vector<double> X3dValues::angles(const X3dNode& node, std::string_view name
   return all;
 }
 
+double X3dValues::clamped(const X3dNode& node, std::string_view name, double value,
+                          std::string_view expected, double most) const {
+  const double inside = std::clamp(value, 0., most);
+  if (inside != value) repair(node, name, expected, fmt::format("{:.6g} is taken", inside));
+  return inside;
+}
+
+double X3dValues::clamped_angle(const X3dNode& node, std::string_view name, double angle,
+                                std::string_view expected, double most) const {
+  constexpr double kRounding = 1e-3;  // of pi written with few digits, as 3.142
+  const bool is_rounded = angle > most && angle <= most * (1 + kRounding);
+  return is_rounded ? most : clamped(node, name, angle, expected, most);
+}
+
 double X3dValues::amount(const X3dNode& node, std::string_view name, double otherwise) const {
-  const double value = number(node, name, otherwise);
-  if (value < 0) warn_of(node, name, "below 0 is read as 0");
-  return std::max(0., value);
+  return clamped(node, name, number(node, name, otherwise));
 }
 
 double X3dValues::share(const X3dNode& node, std::string_view name, double otherwise) const {
-  const double value = number(node, name, otherwise);
-  if (value >= 0 && value <= 1) return value;
-  warn_of(node, name, "outside 0 to 1 is clamped");
-  return std::clamp(value, 0., 1.);
+  return clamped(node, name, number(node, name, otherwise), "0 to 1", 1);
 }
 
 int64_t X3dValues::integer(const X3dNode& node, std::string_view name, int64_t otherwise) const {
-  const Integers values = integers(node, name);
+  constexpr std::string_view kLeftOut = "the field is left out";
+  const Integers values = integers(node, name, kNoInteger, kLeftOut);
   const X3dField* field = node.field(name);
   if (!field) return otherwise;
   const size_t count = values.values.size();
   if (count != 1)
-    repair(field->offset, fmt::format("{} numbers in {} of {}", count, name, describe(node)), "1",
-           count == 0 ? "the field is left out" : "the first ones are taken");
-  const bool is_given = count > 0 && values.values[0] != std::numeric_limits<int32_t>::min();
-  return is_given ? values.values[0] : otherwise;
+    repair(node, name, field->offset, counted(count, "number"), "1",
+           count == 0 ? kLeftOut : "the first one is taken");
+  return count == 0 || values.values[0] == kNoInteger ? otherwise : values.values[0];
 }
 
 Vec3 X3dValues::vec3(const X3dNode& node, std::string_view name, const Vec3& otherwise) const {
@@ -197,7 +197,7 @@ Vec3 X3dValues::vec3(const X3dNode& node, std::string_view name, const Vec3& oth
 Color X3dValues::clamped(const Color& color, const X3dNode& node, std::string_view name) const {
   const Color inside{std::clamp(color.r, 0., 1.), std::clamp(color.g, 0., 1.),
                      std::clamp(color.b, 0., 1.)};
-  if (!(inside == color)) warn_of(node, name, "outside 0 to 1 is clamped");
+  if (!(inside == color)) repair(node, name, "0 to 1", "the nearest colour is taken");
   return inside;
 }
 
@@ -215,8 +215,8 @@ std::vector<size_t> X3dValues::runs(const X3dNode& node, std::string_view name, 
                  given = static_cast<size_t>(std::max(counts.values[i], 0));
     if (given < least || given > left) {
       repair(counts.offsets[i],
-             fmt::format("{} {} of {}, which has {} points left", name, counts.values[i],
-                         describe(node), left),
+             fmt::format("{} {} of {}, which has {} left", name, counts.values[i], describe(node),
+                         counted(left, "point")),
              fmt::format("{} or more, and no more than are left", least),
              "the points there are taken");
     }
@@ -238,7 +238,7 @@ X3dRotation X3dValues::rotation(const X3dNode& node, std::string_view name) cons
   if (v.empty()) return {};
   X3dRotation rotation{{v[0], v[1], v[2]}, v[3] * document_.radians_per_unit()};
   if (rotation.axis == Vec3{}) {
-    if (rotation.angle != 0) warn_of(node, name, "about no axis is left out");
+    if (rotation.angle != 0) repair(node, name, "an axis other than 0 0 0", "it is left out");
     return {};
   }
   return rotation;
@@ -260,8 +260,7 @@ std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_vie
   const size_t first = std::find_if_not(text.begin(), text.end(), is_separator) - text.begin();
   if (first == text.size()) return out;
   if (text[first] != '"') {
-    if (document_.quotes_strings())
-      repair(field->offset, shown(text), "a string in quotes", "it is taken for one");
+    if (document_.quotes_strings()) repair(node, name, "a string in quotes", "it is taken for one");
     return {std::string(text)};
   }
   for (size_t at = first; at < text.size();) {
@@ -270,7 +269,7 @@ std::vector<std::string> X3dValues::strings(const X3dNode& node, std::string_vie
     } else if (text[at] == '"') {
       out.push_back(unquote(text, at));
     } else {
-      repair(field->offset + at, shown(text.substr(at)), "a string in quotes",
+      repair(node, name, field->offset + at, shown(text.substr(at)), "a string in quotes",
              "what follows is left out");
       break;
     }
@@ -292,8 +291,8 @@ std::vector<float> X3dValues::points(const X3dNode& node) const {
   return list<float>(node, "point", 3, "what is there is left out");
 }
 
-X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view name) const {
-  constexpr int32_t kLowest = std::numeric_limits<int32_t>::min();
+X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view name, int32_t none,
+                                        std::string_view taken) const {
   Integers out;
   const X3dField* field = read_field(node, name);
   if (!field) return out;
@@ -304,15 +303,24 @@ X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view na
     int64_t value = 0;
     const auto [stop, problem] = std::from_chars(begin, end, value, hex ? 16 : 10);
     if (stop != end || problem != std::errc() || value > std::numeric_limits<uint32_t>::max() ||
-        value < kLowest) {
-      repair(field->offset + at, shown(word), "a 32-bit integer",
-             fmt::format("{} is taken", kLowest));
-      value = kLowest;
+        value < std::numeric_limits<int32_t>::min()) {
+      repair(node, name, field->offset + at, shown(word), "a 32-bit integer", taken);
+      value = none;
     }
     out.values.push_back(static_cast<int32_t>(value));
     out.offsets.push_back(static_cast<uint32_t>(field->offset + at));
   });
   return out;
+}
+
+size_t X3dValues::choice(const X3dNode& node, std::string_view name, std::string_view given,
+                         std::span<const std::string_view> choices) const {
+  const auto at = std::find(choices.begin(), choices.end(), given);
+  if (at != choices.end()) return static_cast<size_t>(at - choices.begin());
+  if (!given.empty())
+    repair(node, name, fmt::format("one of {}", fmt::join(choices, ", ")),
+           fmt::format("{} is taken", choices[0]));
+  return 0;
 }
 
 }  // namespace tessera

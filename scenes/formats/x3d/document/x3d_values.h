@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +34,13 @@ class X3dValues {
   /// In radians, whatever the file's unit.
   double angle(const X3dNode& node, std::string_view name, double otherwise) const;
   std::vector<double> angles(const X3dNode& node, std::string_view name) const;
+  /// The value of that field in [0, `most`], with a warning that says what is `expected`.
+  double clamped(const X3dNode& node, std::string_view name, double value,
+                 std::string_view expected = "0 or more",
+                 double most = std::numeric_limits<double>::infinity()) const;
+  /// The same of an angle in radians, which may be above `most` by what rounding makes of it.
+  double clamped_angle(const X3dNode& node, std::string_view name, double angle,
+                       std::string_view expected, double most) const;
   /// At least 0, with a warning.
   double amount(const X3dNode& node, std::string_view name, double otherwise) const;
   /// Clamped to [0, 1] with a warning.
@@ -42,9 +51,15 @@ class X3dValues {
   Color color(const X3dNode& node, std::string_view name, const Color& otherwise) const;
   X3dRotation rotation(const X3dNode& node, std::string_view name) const;
   std::string text(const X3dNode& node, std::string_view name) const;
+  /// The index in `choices` of what a field gives; of the first one where it gives nothing or, with
+  /// a warning, none of them.
+  size_t choice(const X3dNode& node, std::string_view name, std::string_view given,
+                std::span<const std::string_view> choices) const;
   /// A list of strings; in XML, one without quotes is one string.
   std::vector<std::string> strings(const X3dNode& node, std::string_view name) const;
 
+  /// So many numbers; empty where the field is not there, or left out.
+  std::vector<double> exactly(const X3dNode& node, std::string_view name, size_t count) const;
   /// All numbers of a list, a multiple of `width`, with 0 for what is none; empty where the field
   /// is not there.
   std::vector<double> numbers(const X3dNode& node, std::string_view name, size_t width) const;
@@ -52,12 +67,16 @@ class X3dValues {
   std::vector<float> floats(const X3dNode& node, std::string_view name, size_t width) const;
   /// The points of a Coordinate node, x y z each, with NaN for what is no finite number.
   std::vector<float> points(const X3dNode& node) const;
-  /// Integers, with the lowest one for what is none, and where each is written.
+  /// Integers, and where each is written.
   struct Integers {
     std::vector<int32_t> values;
     std::vector<uint32_t> offsets;
   };
-  Integers integers(const X3dNode& node, std::string_view name) const;
+  /// Not the value of any index, count or pixel.
+  static constexpr int32_t kNoInteger = std::numeric_limits<int32_t>::min();
+  /// `none` stands for what is no integer; the warning says what is `taken`.
+  Integers integers(const X3dNode& node, std::string_view name, int32_t none = 0,
+                    std::string_view taken = "0 is taken") const;
   /// A list of counts that divides `points` points: where each run begins, and where the last one
   /// ends. A run of fewer than `least`, or of more than are left, has those that are there.
   std::vector<size_t> runs(const X3dNode& node, std::string_view name, size_t least,
@@ -71,10 +90,14 @@ class X3dValues {
         what, [&] { return document_.place(offset); }, times);
   }
 
-  /// Warns that a field, which is there, breaks the rule `expected`, and what is `taken` for it.
-  void repair(const X3dNode& node, std::string_view name, std::string_view found,
+  /// Warns that a field, which is there, breaks the rule `expected`, and what is `taken` for it:
+  /// "FIELD of NODE: 'TEXT'; expected EXPECTED; TAKEN". Those of one field are one warning.
+  void repair(const X3dNode& node, std::string_view name, std::string_view expected,
+              std::string_view taken) const;
+  /// The same of a part of the field, which is `found` at `offset`.
+  void repair(const X3dNode& node, std::string_view name, size_t offset, std::string_view found,
               std::string_view expected, std::string_view taken) const;
-  /// The same of what stands at `offset`.
+  /// The same of what stands at `offset` and is no field.
   void repair(size_t offset, std::string_view found, std::string_view expected,
               std::string_view taken) const {
     warnings_.repair(found, expected, taken, [&] { return document_.place(offset); });
@@ -95,11 +118,7 @@ class X3dValues {
   std::vector<Number> finite_list(const X3dNode& node, std::string_view name, size_t width) const;
   /// The field, whose text is now read once more.
   const X3dField* read_field(const X3dNode& node, std::string_view name) const;
-  /// Empty where the field is not there, or left out.
-  std::vector<double> exactly(const X3dNode& node, std::string_view name, size_t count) const;
   Color clamped(const Color& color, const X3dNode& node, std::string_view name) const;
-  /// Of a field that is there.
-  void warn_of(const X3dNode& node, std::string_view name, std::string_view what) const;
 
   const X3dDocument& document_;
   Warnings& warnings_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <pugixml.hpp>
 
 #include "scenes/formats/x3d/document/x3d_document.h"
@@ -26,12 +27,18 @@ class X3dXmlReader {
       throw document_.error(at, fmt::format("not well-formed XML: {}", result.description()),
                             "an X3D document");
     }
+    xml_.find_node([this](const pugi::xml_node& each) {
+      tell_of_second_attributes(each);
+      return false;
+    });
     const pugi::xml_node root = xml_.document_element();
     if (std::string_view(root.name()) != "X3D")
       throw document_.error(offset(root), fmt::format("element '{}'", root.name()), "'X3D'");
     read_version(root.attribute("version"));
     const pugi::xml_node scene = root.child("Scene");
     if (!scene) throw document_.error(offset(root), "no Scene element", "one inside X3D");
+    tell_of_unread(xml_, {"X3D"}, {}, "one X3D in a file");
+    tell_of_unread(root, {"head", "Scene"}, {}, "one head and one Scene in X3D");
     read_head(root.child("head"));
     document_.scene_ = element(scene, 0);
     return std::move(document_);
@@ -49,24 +56,49 @@ class X3dXmlReader {
     return inside ? static_cast<size_t>(attribute.value() - text.data()) : 0;
   }
 
+  void tell_of_second_attributes(const pugi::xml_node& xml) {
+    size_t count = 0;
+    for (const pugi::xml_attribute& each : xml.attributes())
+      if (++count <= X3dTree::kMaxSearched && xml.attribute(each.name()) != each)
+        tree_.tell_of_second(each.name(), xml.name(), offset(each));
+  }
+
+  using Names = std::initializer_list<std::string_view>;
+  /// Tells of elements that have no meaning in `parent`, or that may stand there only once.
+  void tell_of_unread(const pugi::xml_node& parent, Names once, Names often,
+                      std::string_view expected) {
+    for (const pugi::xml_node& child : parent.children()) {
+      const bool is_first = parent.child(child.name()) == child;
+      const auto is_one_of = [&](Names names) {
+        return std::ranges::find(names, child.name()) != names.end();
+      };
+      if (child.type() != pugi::node_element || is_one_of(often) || (is_first && is_one_of(once)))
+        continue;
+      document_.remarks_.push_back(
+          {offset(child), fmt::format("{} '{}'", is_first ? "an element" : "another", child.name()),
+           std::string(expected), "it is not read"});
+    }
+  }
+
   void read_version(const pugi::xml_attribute& attribute) {
     const std::string_view text = attribute.value();
     if (text.size() >= 3 && text[0] >= '3' && text[0] <= '4' && text[1] == '.' && text[2] >= '0' &&
         text[2] <= '9')
       document_.version_ = (text[0] - '0') * 10 + (text[2] - '0');
-    else if (!text.empty())
+    else if (attribute)
       document_.remarks_.push_back(
           {offset(attribute), fmt::format("unknown version '{}' is read as 3.3", text)});
   }
 
   void read_head(const pugi::xml_node& head) {
+    tell_of_unread(head, {}, {"component", "unit", "meta"}, "component, unit or meta in head");
     for (const pugi::xml_node& entry : head.children()) {
       const std::string_view name = entry.name();
       if (name == "meta")
         document_.metadata_[entry.attribute("name").value()] = entry.attribute("content").value();
       if (name == "unit") {
         const pugi::xml_attribute factor = entry.attribute("conversionFactor");
-        tree_.set_unit(entry.attribute("category").value(), factor.as_double(1),
+        tree_.set_unit(entry.attribute("category").value(), factor.as_string("1"),
                        factor ? offset(factor) : offset(entry));
       }
     }
@@ -74,10 +106,13 @@ class X3dXmlReader {
 
   X3dNode* element(const pugi::xml_node& xml, int depth) {
     X3dNode& node = tree_.add(xml.name(), offset(xml), depth);
+    const X3dNodeType* type = find_x3d_node_type(xml.name());
     for (const pugi::xml_attribute& attribute : xml.attributes()) {
       const std::string_view name = attribute.name();
-      if (name != "DEF" && name != "USE" && name != "containerField" && name != "class" &&
-          name != "id" && name != "style" && name.find(':') == std::string_view::npos)
+      const bool is_of_html = name == "class" || name == "id" || name == "style";
+      if (name != "DEF" && name != "USE" && name != "containerField" &&
+          name.find(':') == std::string_view::npos &&
+          (!is_of_html || (type && type->has_field(name))))
         node.fields.push_back({std::string(name), attribute.value(), offset(attribute)});
     }
     const std::string def = xml.attribute("DEF").value();
@@ -89,6 +124,11 @@ class X3dXmlReader {
 
   void add_children(X3dNode& node, const pugi::xml_node& xml, int depth) {
     for (const pugi::xml_node& child : xml.children()) {
+      if (child.type() == pugi::node_pcdata) {
+        const size_t at = std::string_view(child.value()).find_first_not_of(" \t\r\n");
+        document_.remarks_.push_back({offset(child) + at, fmt::format("text in {}", xml.name()),
+                                      "attributes and elements", "it is not read"});
+      }
       if (child.type() != pugi::node_element) continue;
       const std::string_view name = child.name();
       if (name == "IS")
@@ -150,6 +190,7 @@ class X3dXmlReader {
 
   void declare(const pugi::xml_node& xml, int depth) {
     tree_.check_depth(offset(xml), depth);
+    tell_of_unread(xml, {"ProtoInterface", "ProtoBody"}, {}, "one of each part of ProtoDeclare");
     X3dPrototype made;
     tree_.begin_prototype();
     add_values(made.interface_node, xml.child("ProtoInterface"), "field", depth);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
@@ -103,6 +104,8 @@ class Extruder {
   Extruder(const X3dNode& node, const X3dValues& values) : node_(node), values_(values) {
     section_ = list("crossSection", 2, {1, 1, 1, -1, -1, -1, -1, 1, 1, 1});
     scale_ = list("scale", 2, {1, 1});
+    if (std::ranges::any_of(scale_, [](double scale) { return scale < 0; }))
+      values.repair(node, "scale", "0 or more", "it is taken as it is");
     orientation_ = list("orientation", 4, {0, 0, 1, 0});
     const auto spine = list("spine", 3, {0, 0, 0, 0, 1, 0});
     for (size_t i = 0; i < spine.size(); i += 3)
@@ -147,7 +150,8 @@ class Extruder {
       const double* scale = value(scale_, 2, i);
       const double* turn = value(orientation_, 4, i);
       const Vec3 axis{turn[0], turn[1], turn[2]};
-      const double angle = turn[3] * values_.document().radians_per_unit();
+      const double angle =
+          std::fmod(turn[3] * values_.document().radians_per_unit(), 2 * std::numbers::pi);
       const Affine turned = is_null(axis) ? Affine{} : rotation(axis, angle);
       for (size_t j = 0; j < width_; ++j) {
         const Vec3 p = turned(Vec3{section_[2 * j] * scale[0], 0, section_[2 * j + 1] * scale[1]});

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/plural.h"
+
 namespace tessera {
 namespace {
 
@@ -40,20 +42,21 @@ class FaceReader {
       else
         count_through();
       for (size_t at = 0; at + size <= index_.values.size(); at += size) face(range(at, at + size));
-      if (index_.values.size() % size != 0)
-        values_.warn(index_.offsets.back(), "an incomplete last face is left out");
+      if (const size_t rest = index_.values.size() % size)
+        values_.repair(
+            index_.offsets.back(),
+            fmt::format("{} after the last face of {}", counted(rest, "corner"), describe(node_)),
+            fmt::format("{} a face", size), "what is left over is left out");
     }
     if (dropped_)
       values_.warn(first_dropped_, "faces with fewer than 3 different points are left out",
                    dropped_);
-    for (float& coordinate : out_.points)
-      if (!std::isfinite(coordinate)) coordinate = 0;  // of no face
     return std::move(out_);
   }
 
  private:
   void read_index(const char* name) {
-    index_ = values_.integers(node_, name);
+    index_ = values_.integers(node_, name, X3dValues::kNoInteger, "the face is left out");
     field_ = name;
   }
 
@@ -122,10 +125,11 @@ class FaceReader {
   /// Nothing where there is no point.
   std::optional<uint32_t> coordinate(size_t slot, uint32_t number) const {
     const int32_t index = index_.values[slot];
+    if (index == X3dValues::kNoInteger) return std::nullopt;
     if (index < 0 || static_cast<size_t>(index) >= coordinates_) {
       values_.repair(index_.offsets[slot],
-                     fmt::format("{} {} in face {} of {}, which has {} points", field_, index,
-                                 number, describe(node_), coordinates_),
+                     fmt::format("{} {} in face {} of {}, which has {}", field_, index, number,
+                                 describe(node_), counted(coordinates_, "point")),
                      "an index of a point", "the face is left out");
       return std::nullopt;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/plural.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 
 namespace tessera {
@@ -10,8 +11,14 @@ namespace {
 size_t dimension(const X3dNode& node, const X3dValues& values, const char* name) {
   const int64_t count = values.integer(node, name, 0);
   if (count >= 0) return static_cast<size_t>(count);
-  values.repair(node, name, fmt::format("{} {}", name, count), "0 or more", "0 is taken");
+  values.repair(node, name, "0 or more", "0 is taken");
   return 0;
+}
+
+double spacing(const X3dNode& node, const X3dValues& values, const char* name) {
+  const double value = values.number(node, name, 1);
+  if (value <= 0) values.repair(node, name, "a length above 0", "it is taken as it is");
+  return value;
 }
 
 }  // namespace
@@ -20,20 +27,21 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values) {
   X3dFaces out;
   const size_t columns = dimension(node, values, "xDimension");
   size_t rows = dimension(node, values, "zDimension");
-  const double dx = values.number(node, "xSpacing", 1), dz = values.number(node, "zSpacing", 1);
+  const double dx = spacing(node, values, "xSpacing"), dz = spacing(node, values, "zSpacing");
   const std::vector<float> heights = values.floats(node, "height", 1);
   if (columns < 2 || rows < 2) return out;
   // No product of two 32-bit numbers is too large for 64 bits.
   if (columns * rows > heights.size()) {
-    values.repair(
-        node.offset,
-        fmt::format("{} heights of {}, {} x {}", heights.size(), describe(node), columns, rows),
-        "xDimension times zDimension", "the rows that are whole are taken");
+    values.repair(node.offset,
+                  fmt::format("{} of {}, {} x {}", counted(heights.size(), "height"),
+                              describe(node), columns, rows),
+                  "xDimension times zDimension", "the rows that are whole are taken");
     rows = heights.size() / columns;
     if (rows < 2) return out;
   } else if (columns * rows < heights.size()) {
-    values.warn(node.field("height")->offset,
-                "heights of an ElevationGrid beyond its dimensions are left out");
+    values.repair(node, "height", node.field("height")->offset,
+                  fmt::format("{} for {} x {}", heights.size(), columns, rows),
+                  "xDimension times zDimension", "the first ones are taken");
   }
   if (columns * rows > kMaxX3dPoints)
     throw values.document().error(node.offset,

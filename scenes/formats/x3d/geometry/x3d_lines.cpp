@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/plural.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"
 
 namespace tessera {
@@ -42,7 +43,8 @@ class LineBuilder {
   }
 
   void add_indexed() {
-    const auto index = values_.integers(node_, "coordIndex");
+    constexpr const char* kLeftOut = "the lines there are left out";
+    const auto index = values_.integers(node_, "coordIndex", X3dValues::kNoInteger, kLeftOut);
     const size_t most = coordinates_.size() / 3;
     const auto is_point = [&](int32_t i) { return i >= 0 && static_cast<size_t>(i) < most; };
     size_t line = 0;
@@ -51,11 +53,12 @@ class LineBuilder {
         ++line;
         continue;
       }
+      if (index.values[at] == X3dValues::kNoInteger) continue;
       if (!is_point(index.values[at]))
         values_.repair(index.offsets[at],
-                       fmt::format("coordIndex {} of {}, which has {} points", index.values[at],
-                                   describe(node_), most),
-                       "an index of a point", "the lines there are left out");
+                       fmt::format("coordIndex {} of {}, which has {}", index.values[at],
+                                   describe(node_), counted(most, "point")),
+                       "an index of a point", kLeftOut);
       else if (at > 0 && is_point(index.values[at - 1]))
         add_line(static_cast<size_t>(index.values[at - 1]), static_cast<size_t>(index.values[at]),
                  at - 1, at, line);

@@ -50,6 +50,11 @@ class MeshBuilder {
         points_(faces_.points) {
     corners_.resize(faces_.polygons.corners.size());
     for (size_t c = 0; c < corners_.size(); ++c) corners_[c].position = faces_.polygons.corners[c];
+    for (size_t f = 0; f < faces_.polygons.size(); ++f)
+      is_far_.push_back(
+          !std::ranges::all_of(face_points(f), [](const Vec3& p) { return is_finite(p); }));
+    for (float& coordinate : faces_.points)
+      if (!std::isfinite(coordinate)) coordinate = 0;  // of no face that is shown
   }
 
   X3dMesh build(BlobStore& blobs) {
@@ -86,7 +91,7 @@ class MeshBuilder {
     ccw_ = values_.boolean(node_, "ccw", true);
     areas_.reserve(faces_.polygons.size());
     for (size_t f = 0; f < faces_.polygons.size(); ++f) {
-      const Vec3 area = newell_normal(face_points(f));
+      const Vec3 area = is_far_[f] ? Vec3{} : newell_normal(face_points(f));
       areas_.push_back(ccw_ ? area : -area);
     }
   }
@@ -124,8 +129,8 @@ class MeshBuilder {
                                      : faces_.numbers[f];
         if (value < 0 || value >= static_cast<int64_t>(count)) {
           values_.repair(indexed ? index.offsets[slot] : node_.offset,
-                         fmt::format("{} {} in face {} of {}, of {} values", name, value,
-                                     faces_.numbers[f], describe(node_), count),
+                         fmt::format("{} {} in face {} of {}, of {}", name, value,
+                                     faces_.numbers[f], describe(node_), counted(count, "value")),
                          "an index of a value", "the nearest one is taken");
           value = std::clamp<int64_t>(value, 0, static_cast<int64_t>(count) - 1);
         }
@@ -142,14 +147,13 @@ class MeshBuilder {
     const std::vector<float> values = values_.floats(*node, "color", alpha ? 4 : 3);
     const size_t width = alpha ? 4 : 3;
     for (size_t i = 0; i < values.size(); i += width) {
-      for (size_t k = 0; k < 3; ++k) {
+      for (size_t k = 0; k < width; ++k) {
         const float c = std::clamp(values[i + k], 0.f, 1.f);
         if (c != values[i + k])
-          values_.warn(node->field("color")->offset,
-                       fmt::format("color of {} outside 0 to 1 is clamped", node->type));
-        colors_.push_back(options_.linear ? static_cast<float>(srgb_to_linear(c)) : c);
+          values_.repair(*node, "color", "0 to 1", "the nearest colour is taken");
+        colors_.push_back(options_.linear && k < 3 ? static_cast<float>(srgb_to_linear(c)) : c);
       }
-      colors_.push_back(alpha ? std::clamp(values[i + 3], 0.f, 1.f) : 1.f);
+      if (!alpha) colors_.push_back(1);
     }
     const bool per_vertex = values_.boolean(node_, "colorPerVertex", true);
     has_color_alpha_ =
@@ -168,13 +172,10 @@ class MeshBuilder {
     if (node_.type == "Text") return;
     const bool creased = node_.type == "IndexedFaceSet" || node_.type == "ElevationGrid" ||
                          node_.type == "Extrusion";
-    double angle = creased      ? values_.angle(node_, "creaseAngle", 0)
-                   : per_vertex ? std::numbers::pi
-                                : 0;
-    if (angle < 0) {
-      values_.repair(node_, "creaseAngle", "a negative creaseAngle", "0 or more", "0 is taken");
-      angle = 0;
-    }
+    const double angle =
+        creased      ? values_.clamped(node_, "creaseAngle", values_.angle(node_, "creaseAngle", 0))
+        : per_vertex ? std::numbers::pi
+                     : 0;
     if (angle == 0 || corners_.empty()) return;
     GeneratedNormals made = crease_normals(welded(), areas_, points_.size() / 3, angle);
     if (made.corner_normal.empty())
@@ -199,6 +200,9 @@ class MeshBuilder {
   void normalize_all() {
     for (size_t i = 0; i < normals_.size(); i += 3) {
       const Vec3 given{normals_[i], normals_[i + 1], normals_[i + 2]};
+      if (given == Vec3{})
+        values_.repair(*node_.child("normal"), "vector", "vectors other than 0 0 0",
+                       "0 0 1 is taken");
       const Vec3 unit = given == Vec3{} ? Vec3{0, 0, 1} : normalize(given);
       for (int a = 0; a < 3; ++a) normals_[i + a] = static_cast<float>(unit[a]);
     }
@@ -248,6 +252,13 @@ class MeshBuilder {
     std::vector<CornerTriple> triples;
     for (size_t f = 0; f < faces_.polygons.size(); ++f) {
       triples.clear();
+      if (is_far_[f]) {
+        values_.repair(
+            node_.offset,
+            fmt::format("face {} of {}, which is too far", faces_.numbers[f], describe(node_)),
+            "points in the range of single precision", "it is left out");
+        continue;
+      }
       const auto points = face_points(f);
       // Files that call their concave faces convex are common, so every face is looked at.
       if (!triangulate(points, triples)) {
@@ -278,6 +289,7 @@ class MeshBuilder {
   const std::vector<float>& points_;
   std::vector<float> normals_, uvs_, colors_;
   std::vector<MeshCorner> corners_;
+  std::vector<bool> is_far_;  ///< of each face: whether single precision cannot hold its points
   std::vector<Vec3> areas_, face_points_;
   VertexTable vertices_;
   std::vector<uint32_t> triangles_;

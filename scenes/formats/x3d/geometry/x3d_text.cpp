@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scenes/formats/x3d/geometry/stroke_font.h"
@@ -18,26 +19,29 @@ class TextBuilder {
   TextBuilder(const X3dNode& node, const X3dValues& values) : node_(node), values_(values) {
     lines_ = values.strings(node, "string");
     lengths_ = values.numbers(node, "length", 1);
-    most_ = values.number(node, "maxExtent", 0);
+    for (double& length : lengths_) length = values.clamped(node, "length", length);
+    most_ = values.amount(node, "maxExtent", 0);
     const X3dNode* style = node.child("fontStyle");
     if (!style || style->type != "FontStyle") return;
     size_ = values.number(*style, "size", 1);
-    spacing_ = values.number(*style, "spacing", 1);
+    spacing_ = values.amount(*style, "spacing", 1);
     if (!(size_ > 0)) {
-      values.repair(*style, "size", fmt::format("size {}", size_), "a height above 0",
-                    "1 is taken");
+      values.repair(*style, "size", "a height above 0", "1 is taken");
       size_ = 1;
     }
-    const std::string look = values.text(*style, "style");
-    bold_ = look.starts_with("BOLD");
-    italic_ = look.ends_with("ITALIC");
+    constexpr std::array<std::string_view, 4> kStyles{"PLAIN", "BOLD", "ITALIC", "BOLDITALIC"};
+    const size_t look = values.choice(*style, "style", values.text(*style, "style"), kStyles);
+    bold_ = look % 2 == 1;
+    italic_ = look >= 2;
     for (const char* name : {"horizontal", "leftToRight", "topToBottom"})
       if (!values.boolean(*style, name, true))
         values.warn(style->field(name)->offset,
                     "Text is written in lines from the left and from the top");
     const auto justify = values.strings(*style, "justify");
-    if (!justify.empty()) major_ = justify[0];
-    if (justify.size() > 1) minor_ = justify[1];
+    constexpr std::array<std::string_view, 4> kMajor{"BEGIN", "FIRST", "MIDDLE", "END"},
+        kMinor{"FIRST", "BEGIN", "MIDDLE", "END"};
+    if (!justify.empty()) major_ = kMajor[values.choice(*style, "justify", justify[0], kMajor)];
+    if (justify.size() > 1) minor_ = kMinor[values.choice(*style, "justify", justify[1], kMinor)];
   }
 
   X3dFaces make() {
@@ -126,7 +130,7 @@ class TextBuilder {
   std::vector<double> lengths_;
   double most_ = 0, size_ = 1, spacing_ = 1;
   bool bold_ = false, italic_ = false;
-  std::string major_ = "BEGIN", minor_ = "FIRST";
+  std::string_view major_ = "BEGIN", minor_ = "FIRST";
   X3dFaces out_;
 };
 

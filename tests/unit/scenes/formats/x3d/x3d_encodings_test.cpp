@@ -58,7 +58,7 @@ TEST(X3dEncodings, WarningsSayWhereAsErrorsDo) {
             (std::vector<std::string>{
                 "t.x3d:2:2: unknown node 'Foo' is left out; did you mean 'Fog'? (2 times)",
                 "t.x3d:3:20: unknown field 'bar' of Shape is left out",
-                "t.x3d:4:25: transparency of Material outside 0 to 1 is clamped",
+                "t.x3d:4:25: transparency of Material: '2'; expected 0 to 1; 1 is taken",
                 "t.x3d: ignored: 1 TimeSensor", "t.x3d:1:15: unknown version '7' is read as 3.3"}));
   const std::string body =
       "\nShape { geometry IndexedFaceSet {\n coordIndex [ 0 1 0 -1 0 1 2 ]\n"
@@ -70,11 +70,14 @@ TEST(X3dEncodings, WarningsSayWhereAsErrorsDo) {
     EXPECT_EQ(classic,
               (std::vector<std::string>{
                   "t.wrl:3:15: faces with fewer than 3 different points are left out",
-                  "t.wrl:6:11: a Background needs one angle fewer than colours; what is left over "
-                  "is left out",
-                  "t.wrl:8:12: rotation of Transform about no axis is left out",
-                  "t.wrl:9:20: color of PointLight outside 0 to 1 is clamped",
-                  "t.wrl:9:42: radius is given twice in PointLight; the first one holds"}))
+                  "t.wrl:6:11: skyAngle of Background: 1 angle for 1 colour; expected one angle "
+                  "fewer than colours; what is left over is left out",
+                  "t.wrl:8:12: rotation of Transform: '0 0 0 1'; expected an axis other than "
+                  "0 0 0; it is left out",
+                  "t.wrl:9:20: color of PointLight: '2 0 0'; expected 0 to 1; the nearest colour "
+                  "is taken",
+                  "t.wrl:9:42: radius is given twice in PointLight; expected one value; the first "
+                  "one is taken"}))
         << header;
   }
 }
@@ -184,27 +187,155 @@ TEST(X3dEncodings, OnePartOfTheClassicOneThatCannotBeReadDoesNotCostTheFile) {
   };
   const std::vector<Case> cases{
       {"Shape { geometry Sphere { radius 1x } }",
-       "2:34: '1x'; expected a number; the field is left out"},
+       "2:34: radius of Sphere: '1x'; expected a number; the field is left out"},
       {"Transform { translation nan 0 0 }",
-       "2:25: 'nan'; expected a finite number; the field is left out"},
+       "2:25: translation of Transform: 'nan'; expected a finite number; the field is left out"},
       {"Transform { translation 0 Infinity 0 }",
-       "2:27: 'Infinity'; expected a finite number; the field is left out"},
-      {"Background { skyColor [ nan 0, 1 ] }", "2:25: 'nan'; expected a finite number; 0 is taken"},
+       "2:27: translation of Transform: 'Infinity'; expected a finite number; the field is left "
+       "out"},
+      {"Background { skyColor [ nan 0, 1 ] }",
+       "2:25: skyColor of Background: 'nan'; expected a finite number; 0 is taken"},
       {"DEF A Group { } USE B",
-       "2:21: USE of 'B', which is not defined; did you mean 'A'?; expected the DEF name of a node "
+       "2:21: USE of 'B', which is not defined; expected the DEF name of a node "
        "before it; it is left out"},
       {"DEF G Group { children USE G }",
        "2:28: USE of 'G' inside itself; expected a graph without cycles; it is left out"},
       {"UNIT length furlong -1",
-       "2:21: a length unit of -1; expected a factor above 0; it is left out"},
+       "2:21: a length unit of '-1'; expected a factor above 0 in the range of single precision; "
+       "it is left out"},
       {"Viewpoint { description 7 }",
-       "2:25: '7'; expected a string in quotes; it is taken for one"},
+       "2:25: description of Viewpoint: '7'; expected a string in quotes; it is taken for one"},
   };
   for (const Case& c : cases) {
     const auto loaded = parse_classic(c.part + " Shape { geometry Box { } }");
     EXPECT_TRUE(loaded.scene.nodes(loaded.scene.nodes_size() - 1).shape().has_box()) << c.part;
     EXPECT_EQ(loaded.warnings, std::vector<std::string>{"t.x3dv:" + c.warning}) << c.part;
   }
+}
+
+TEST(X3dEncodings, AWordForAValueCostsThatValueOnly) {
+  struct Case {
+    std::string part;
+    std::vector<std::string> warnings;
+  };
+  const std::string stray = "; expected the name of a field or a node; it is left out";
+  const std::vector<Case> cases{
+      {"Shape { geometry Sphere { radius foo } }",
+       {"2:34: radius of Sphere: 'foo'; expected a number; the field is left out"}},
+      {"Shape { geometry Sphere { radius } }",
+       {"2:34: radius without a value; expected one before '}'; it is left out"}},
+      {"Shape { geometry Sphere { solid FLASE } }",
+       {"2:33: solid of Sphere: 'FLASE'; expected true or false; true is taken"}},
+      {"Background { skyColor [ abc 0 0 ] }",
+       {"2:25: skyColor of Background: 'abc'; expected a number; 0 is taken"}},
+      {"Switch { whichChoice foo }",
+       {"2:22: whichChoice of Switch: 'foo'; expected a 32-bit integer; the field is left out"}},
+      {"NavigationInfo { headlight NULL }",
+       {"2:28: headlight of NavigationInfo: 'NULL'; expected true or false; true is taken"}},
+      {"Shape { geometry NULL appearance foo }",
+       {"2:34: appearance of Shape: 'foo'; expected a node; it is left out"}},
+      {"Viewpoint { description Box { } }",
+       {"2:25: description of Viewpoint: Box; expected a value; it is left out"}},
+      {"Group { children [ foo Group { } bar ] }",
+       {"2:20: 'foo' among nodes; expected nodes only; it is left out"}},
+      {"Group { children Cone { } }",
+       {"2:18: Cone among children; expected a Shape, a group, a light or a viewpoint; it is left "
+        "out"}},
+      {"Viewpoint { description \"a\" \"b\" }", {"2:29: '\"b\"'" + stray}},
+      {"TRUE", {"2:1: 'TRUE'" + stray}},
+      {"META title foo",
+       {"2:6: META without two strings; expected a name and a content in quotes; it is left out"}},
+      {"UNIT length m foo",
+       {"2:15: a length unit of 'foo'; expected a factor above 0 in the range of single "
+        "precision; it is left out"}},
+      {"UNIT \"length\" m 3",
+       {"2:17: a unit of '\"length\"'; expected angle, force, length or mass; it is left out"}},
+      {"PROTO P [ field SFInt32 n 1 foo ] { Switch { whichChoice IS n } } P { }",
+       {"2:29: 'foo'" + stray}},
+      {"DEF 1a Group { } USE 1a", {}},
+  };
+  for (const Case& c : cases) {
+    for (const std::string version : {"3.3", "VRML"}) {
+      const LoadedScene loaded = parse_classic(c.part + " Shape { geometry Box { } }", version);
+      EXPECT_TRUE(loaded.scene.nodes(loaded.scene.nodes_size() - 1).shape().has_box()) << c.part;
+      std::vector<std::string> expected;
+      for (const std::string& warning : c.warnings) expected.push_back("t.x3dv:" + warning);
+      EXPECT_EQ(loaded.warnings, expected) << c.part;
+      EXPECT_EQ(loaded.repairs.size(), expected.size()) << c.part;
+    }
+  }
+  // What stands beside the word is read.
+  EXPECT_EQ(parse_classic("Shape { geometry Cylinder { radius foo height 3 } }")
+                .scene.nodes(0)
+                .shape()
+                .cylinder()
+                .height(),
+            3);
+  EXPECT_EQ(
+      parse_classic("Group { children [ foo Group { } bar ] }").scene.nodes(0).children_size(), 1);
+  EXPECT_EQ(parse_classic("Viewpoint { description \"a\" \"b\" }").scene.cameras(0).description(),
+            "a");
+}
+
+TEST(X3dEncodings, ElementsThatAreNotReadAreTold) {
+  const std::string box = "<Shape><Box/></Shape>", not_read = "; it is not read";
+  const std::string head_or_scene = "; expected one head and one Scene in X3D" + not_read;
+  struct Case {
+    std::string text, warning;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"<X3D><Scene>" + box + "</Scene>\n<Scene><Group/></Scene></X3D>",
+            "2:2: another 'Scene'" + head_or_scene},
+           {"<X3D><Scene>" + box + "</Scene>\n<Shape/></X3D>",
+            "2:2: an element 'Shape'" + head_or_scene},
+           {"<X3D><Scene>" + box + "</Scene></X3D>\n<X3D><Scene><Group/></Scene></X3D>",
+            "2:2: another 'X3D'; expected one X3D in a file" + not_read},
+           {"<X3D><head><meta name='a' content='b'/><meta name='c' content='d'/>\n<Group/></head>"
+            "<Scene>" +
+                box + "</Scene></X3D>",
+            "2:2: an element 'Group'; expected component, unit or meta in head" + not_read},
+           {"<X3D><Scene><ProtoDeclare name='P'><ProtoBody><Group/></ProtoBody>\n<ProtoBody/>"
+            "</ProtoDeclare>" +
+                box + "</Scene></X3D>",
+            "2:2: another 'ProtoBody'; expected one of each part of ProtoDeclare" + not_read},
+           {"<X3D><Scene>" + box + "\n0 1</Scene></X3D>",
+            "2:1: text in Scene; expected attributes and elements" + not_read},
+           {"<X3D><Scene>\n<Sphere/>" + box + "</Scene></X3D>",
+            "2:2: unknown field 'geometry' of Scene is left out"},
+       }) {
+    const LoadedScene loaded = parse_x3d(c.text, "t.x3d", {});
+    ASSERT_EQ(loaded.scene.nodes_size(), 1) << c.text;
+    EXPECT_TRUE(loaded.scene.nodes(0).shape().has_box());
+    EXPECT_EQ(loaded.warnings, std::vector<std::string>{"t.x3d:" + c.warning}) << c.text;
+  }
+}
+
+TEST(X3dEncodings, AUnitOutOfRangeIsLeftOut) {
+  for (const std::string factor : {"1e300", "1e-300", "0", "1.2.3", "nan", ""}) {
+    const LoadedScene loaded = parse_x3d("<X3D><head>\n<unit category='length' conversionFactor='" +
+                                             factor + "'/></head><Scene><Group/></Scene></X3D>",
+                                         "t.x3d", {});
+    EXPECT_EQ(loaded.warnings,
+              std::vector<std::string>{"t.x3d:2:43: a length unit of '" + factor +
+                                       "'; expected a factor above 0 in the range of single "
+                                       "precision; it is left out"});
+    EXPECT_FALSE(loaded.scene.nodes(0).has_transform());
+  }
+}
+
+TEST(X3dEncodings, OfAnAttributeGivenTwiceTheFirstIsTaken) {
+  const LoadedScene loaded = parse_x3d(
+      "<X3D version='3.3'><Scene><Group DEF='a' DEF='b'/>\n"
+      "<Shape><Sphere radius='3' solid='true' radius='2'/></Shape></Scene></X3D>",
+      "t.x3d", {});
+  EXPECT_EQ(loaded.scene.nodes(0).name(), "a");
+  EXPECT_EQ(loaded.scene.nodes(1).shape().sphere().radius(), 3);
+  EXPECT_EQ(loaded.warnings,
+            std::vector<std::string>{"t.x3d:1:47: DEF is given twice in Group; expected one value; "
+                                     "the first one is taken (2 times)"});
+  std::string many = "<X3D><Scene><Group";
+  for (int i = 0; i < 100'000; ++i) many += " a" + std::to_string(i) + "=''";
+  EXPECT_EQ(parse_x3d(many + "/></Scene></X3D>", "t.x3d", {}).scene.nodes_size(), 1);
 }
 
 TEST(X3dEncodings, ShowsHumanoidsAsTheyStand) {
@@ -223,7 +354,8 @@ TEST(X3dEncodings, SaysWhatItTakesForZero) {
   const auto warnings =
       parse_classic("PointLight { intensity -1 attenuation 0 -1 1 radius -3 }").warnings;
   ASSERT_EQ(warnings.size(), 3u);
-  EXPECT_EQ(warnings[0], "t.x3dv:2:24: intensity of PointLight below 0 is read as 0");
+  EXPECT_EQ(warnings[0],
+            "t.x3dv:2:24: intensity of PointLight: '-1'; expected 0 or more; 0 is taken");
 }
 
 TEST(X3dEncodings, SuggestsFieldNames) {
@@ -267,9 +399,10 @@ TEST(X3dEncodings, SaysWhatIsGivenTwice) {
   EXPECT_TRUE(loaded.scene.nodes(0).shape().has_sphere());
   ASSERT_EQ(loaded.warnings.size(), 2u);
   EXPECT_EQ(loaded.warnings[0],
-            "t.x3dv:2:35: geometry of Shape is given twice; the last one holds");
-  EXPECT_EQ(loaded.warnings[1],
-            "t.x3dv:2:60: radius is given twice in Sphere; the first one holds");
+            "t.x3dv:2:35: geometry of Shape: a second node; expected one; the last one is taken");
+  EXPECT_EQ(
+      loaded.warnings[1],
+      "t.x3dv:2:60: radius is given twice in Sphere; expected one value; the first one is taken");
 }
 
 /// In time that grows with the square of a number these would outlast the test's time limit.

@@ -131,7 +131,7 @@ TEST_F(X3dFilesTest, OfAFileThatIsWrongNothingIsLeft) {
         "DEF V Viewpoint { } Background { } Fog { visibilityRange 9 } NavigationInfo { headlight "
         "FALSE } DEF S Shape { appearance Appearance { material Material { } texture ImageTexture "
         "{ url \"none.png\" } } geometry Box { } } USE S Inline { url \"good.x3dv\" }\n"
-        "Shape { geometry Sphere { radius x } }");
+        "Shape { geometry Sphere { radius 1 ] }");
   write("outer.x3dv", "Inline { url \"broken.x3dv\" } Inline { url \"good.x3dv\" }");
   const std::string urls = "Inline { url [ \"broken.x3dv\" \"outer.x3dv\" ] }";
   const LoadedScene loaded = read_x3d(write("main.x3dv", urls + urls), {});
@@ -149,7 +149,8 @@ TEST_F(X3dFilesTest, OfAFileThatIsWrongNothingIsLeft) {
   EXPECT_NE(loaded.warnings[0].find("outer.x3dv:2:1: Inline of 'broken.x3dv' is left out: "),
             std::string::npos)
       << loaded.warnings[0];
-  EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:36: '}'; expected '{'"), std::string::npos)
+  EXPECT_NE(loaded.warnings[0].find("broken.x3dv:3:36: ']'; expected a field, or '}'"),
+            std::string::npos)
       << loaded.warnings[0];
 }
 

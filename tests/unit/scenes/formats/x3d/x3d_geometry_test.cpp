@@ -195,20 +195,19 @@ TEST(X3dGeometry, OneOddPartDoesNotCostTheShape) {
        "the face is left out"},
       {"IndexedFaceSet { " + square + "coordIndex [ 0 1 2 -1 0 -2 3 ] }", 1, "coordIndex -2 in"},
       {"IndexedFaceSet { " + square + "coordIndex [ 0 1 2 -1 0 x 3 ] }", 1,
-       "'x'; expected a 32-bit integer; -2147483648 is taken"},
+       "coordIndex of IndexedFaceSet: 'x'; expected a 32-bit integer; the face is left out"},
       {"IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 nan 0 ] } "
        "coordIndex [ 0 1 2 -1 0 2 3 ] }",
        1, "'nan'; expected a finite number; what is there is left out"},
       {"IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 ] } "
        "coordIndex [ 0 1 2 -1 0 2 3 ] }",
-       1,
-       "11 numbers in point of Coordinate; expected a multiple of 3; the last ones are left out"},
+       1, "point of Coordinate: 11 numbers; expected a multiple of 3; the last ones are left out"},
       {"TriangleStripSet { " + square + "stripCount [ 5 ] }", 2,
        "stripCount 5 of TriangleStripSet, which has 4 points left; expected 3 or more, and no more "
        "than are left; the points there are taken"},
       {"TriangleFanSet { " + square + "fanCount [ -1 4 ] }", 2, "fanCount -1 of TriangleFanSet"},
       {faces + "color Color { color [ 1 0 0 ] } colorPerVertex FALSE }", 2,
-       "colorIndex 1 in face 1 of IndexedFaceSet, of 1 values; expected an index of a value; the "
+       "colorIndex 1 in face 1 of IndexedFaceSet, of 1 value; expected an index of a value; the "
        "nearest one is taken"},
       {faces + "color Color { color [ ] } }", 2,
        "no values for colorIndex of IndexedFaceSet; expected a value for each corner; it is left "
@@ -217,10 +216,13 @@ TEST(X3dGeometry, OneOddPartDoesNotCostTheShape) {
        "normalIndex of IndexedFaceSet ends before face 1; expected a value for each corner; its "
        "last one is taken"},
       {faces + "texCoord TextureCoordinate { point [ 0 0 ] } texCoordIndex [ 0 0 0 -1 0 0 9 ] }", 2,
-       "texCoordIndex 9 in face 1 of IndexedFaceSet, of 1 values; expected an index of a value"},
+       "texCoordIndex 9 in face 1 of IndexedFaceSet, of 1 value; expected an index of a value"},
       {"ElevationGrid { xDimension 2 zDimension 3 height [ 0 1 2 3 4 ] }", 2,
        "5 heights of ElevationGrid, 2 x 3; expected xDimension times zDimension; the rows that are "
        "whole are taken"},
+      {"ElevationGrid { xDimension 2 zDimension 2 height [ 0 1 2 3 4 ] }", 2,
+       "t.x3dv:2:69: height of ElevationGrid: 5 for 2 x 2; expected xDimension times zDimension; "
+       "the first ones are taken"},
       {"IndexedLineSet { " + square + "coordIndex [ 0 1 9 2 3 ] }", 16,
        "coordIndex 9 of IndexedLineSet, which has 4 points; expected an index of a point; the "
        "lines "
@@ -253,21 +255,113 @@ TEST(X3dGeometry, APixelTextureMayLackValues) {
   for (const auto& [image, textures, warning] :
        std::vector<std::tuple<std::string, int, std::string>>{
            {"2 2 1 1 2 3", 1,
-            "3 pixels in an image of 2 x 2; expected one number a pixel; the others are 0"},
+            "image of PixelTexture: 3 pixels for 2 x 2; expected one number a pixel; the others "
+            "are 0"},
+           {"2 1 1 255 0x1ff", 1,
+            "t.x3dv:2:72: image of PixelTexture: pixel 511; expected 0 to 255; its low 8 bits are "
+            "taken"},
+           {"1 1 3 -1", 1,
+            "t.x3dv:2:68: image of PixelTexture: pixel -1; expected 0 to 16777215; its low 24 bits "
+            "are taken"},
+           {"1 1 3 1.5", 1,
+            "t.x3dv:2:68: image of PixelTexture: '1.5'; expected a 32-bit integer; 0 is taken"},
            {"2 2 1 1 2 3 4 5", 1,
-            "5 pixels in an image of 2 x 2; expected one number a pixel; the first ones are taken"},
+            "image of PixelTexture: 5 pixels for 2 x 2; expected one number a pixel; the first "
+            "ones are taken"},
            {"60000 60000 1 1", 0,
-            "1 pixels in an image of 60000 x 60000; expected one number a pixel; it is left out"},
+            "image of PixelTexture: 1 pixel for 60000 x 60000; expected one number a pixel; it is "
+            "left out"},
            {"2 2", 0,
-            "an image without its size; expected width, height and components; it is left"},
+            "image of PixelTexture: '2 2'; expected width, height and components; it is left"},
            {"2 -2 1 1 2", 0,
-            "an image of 2 x -2 with 1 components; expected sides of 0 to 65536"}}) {
+            "image of PixelTexture: '2 -2 1 1 2'; expected sides of 0 to 65536"}}) {
     const LoadedScene loaded = read(image);
     EXPECT_EQ(loaded.scene.textures_size(), textures) << image;
     EXPECT_TRUE(loaded.scene.nodes(0).shape().has_box());
     ASSERT_EQ(loaded.warnings.size(), 1u);
     EXPECT_NE(loaded.warnings[0].find(warning), std::string::npos) << loaded.warnings[0];
   }
+}
+
+TEST(X3dGeometry, APixelOutOfRangeHasItsLowBits) {
+  const LoadedScene loaded = parse_classic(
+      "Shape { appearance Appearance { texture PixelTexture { image 2 1 1 0x112 -1 } } geometry "
+      "Box { } }");
+  EXPECT_EQ(blob_values<uint8_t>(loaded.scene.textures(0).image().texels(), loaded.blobs)[0], 0x12);
+  // Four bytes fill an integer, whose sign is none.
+  EXPECT_TRUE(parse_classic("Shape { appearance Appearance { texture PixelTexture { image 2 1 4 "
+                            "0xFFFFFFFF -2 } } geometry Box { } }")
+                  .warnings.empty());
+}
+
+TEST(X3dGeometry, SpacingsAndScalesBelowZeroAreTakenWithAWarning) {
+  const LoadedScene grid = parse_classic(
+      "Shape { geometry ElevationGrid { xDimension 2 zDimension 2 xSpacing -2 zSpacing 0 height [ "
+      "0 1 2 3 ] } }");
+  EXPECT_EQ(grid.warnings,
+            (std::vector<std::string>{
+                "t.x3dv:2:69: xSpacing of ElevationGrid: '-2'; expected a length above 0; it is "
+                "taken as it is",
+                "t.x3dv:2:81: zSpacing of ElevationGrid: '0'; expected a length above 0; it is "
+                "taken as it is"}));
+  const auto points =
+      blob_values<float>(grid.scene.nodes(0).shape().mesh().positions(), grid.blobs);
+  EXPECT_EQ(*std::min_element(points.begin(), points.end()), -2);
+  EXPECT_EQ(parse_classic("Shape { geometry Extrusion { scale -1 1 } }").warnings,
+            std::vector<std::string>{"t.x3dv:2:36: scale of Extrusion: '-1 1'; expected 0 or more; "
+                                     "it is taken as it is"});
+  EXPECT_TRUE(parse_classic("Transform { scale -1 1 1 }").warnings.empty()) << "10.4.4: mirrored";
+}
+
+TEST(X3dGeometry, NumbersOutOfRangeCostNoMoreThanTheirFaces) {
+  struct Case {
+    std::string geometry;
+    size_t triangles;
+    std::vector<std::string> warnings;
+  };
+  const std::string range = "; expected a number in the range of single precision; ";
+  const std::string far =
+      ", which is too far; expected points in the range of single precision; it is left out";
+  for (const Case& c : std::vector<Case>{
+           {"ElevationGrid { xDimension 3 zDimension 2 xSpacing 1e300 height [ 0 1 2 3 4 5 ] }",
+            2,
+            {"2:69: xSpacing of ElevationGrid: '1e300'" + range + "3.40282e+38 is taken",
+             "2:18: face 1 of ElevationGrid" + far}},
+           {"ElevationGrid { xDimension 2 zDimension 3 zSpacing -1e300 height [ 0 1 2 3 4 5 ] }",
+            2,
+            {"2:69: zSpacing of ElevationGrid: '-1e300'" + range + "-3.40282e+38 is taken",
+             "2:69: zSpacing of ElevationGrid: '-1e300'; expected a length above 0; it is taken as "
+             "it is",
+             "2:18: face 1 of ElevationGrid" + far}},
+           {"ElevationGrid { xDimension 2 zDimension 2 height [ 0 1 2 1e999 ] creaseAngle 1e300 }",
+            2,
+            {"2:75: height of ElevationGrid: '1e999'" + range + "3.40282e+38 is taken",
+             "2:95: creaseAngle of ElevationGrid: '1e300'" + range + "3.40282e+38 is taken"}},
+           {"IndexedFaceSet { coordIndex [ 0 1 2 ] coord Coordinate { point [ 0 0 0 1 0 0 0 1e300 "
+            "0 ] } }",
+            1,
+            {"2:97: point of Coordinate: '1e300'" + range + "3.40282e+38 is taken"}},
+           {"Extrusion { orientation 0 1 0 1e300 }",
+            12,
+            {"2:48: orientation of Extrusion: '1e300'" + range + "3.40282e+38 is taken"}},
+       }) {
+    const LoadedScene loaded = parse_classic("Shape { geometry " + c.geometry + " }");
+    ASSERT_EQ(loaded.scene.nodes_size(), 1) << c.geometry;
+    const v1::TriangleMesh& mesh = loaded.scene.nodes(0).shape().mesh();
+    EXPECT_EQ(blob_values<uint32_t>(mesh.triangles(), loaded.blobs).size(), 3 * c.triangles)
+        << c.geometry;
+    for (const float p : blob_values<float>(mesh.positions(), loaded.blobs))
+      EXPECT_TRUE(std::isfinite(p)) << c.geometry;
+    std::vector<std::string> expected;
+    for (const std::string& warning : c.warnings) expected.push_back("t.x3dv:" + warning);
+    EXPECT_EQ(loaded.warnings, expected) << c.geometry;
+    EXPECT_EQ(render_loaded(loaded, 4, 4).size(), 48u);
+  }
+  // Nothing is left of a shape whose every point is too far.
+  const LoadedScene none = parse_classic(
+      "Shape { geometry Extrusion { scale [ 1e300 1e300 ] "
+      "spine [ 1e38 0 0 2e38 1 0 ] crossSection [ 3 3 4 3 3 4 ] } }");
+  EXPECT_FALSE(none.scene.nodes(0).has_shape());
 }
 
 /// How many pixels' worth of the 20 x 20 in the middle of a picture of 720 x 720 white lines and

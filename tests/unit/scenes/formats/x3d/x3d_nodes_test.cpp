@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/unit/scenes/formats/x3d/x3d_testing.h"
 
@@ -59,7 +60,114 @@ TEST(X3dNodes, ValuesAreReadAsLenientlyAsTheyAreWritten) {
   EXPECT_EQ(transform.steps(0).translate().z(), .001);
   EXPECT_EQ(loaded.scene.textures(0).image().file(), "a picture.png");
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0], "t.x3d:1:74: rotation of Transform about no axis is left out");
+  EXPECT_EQ(loaded.warnings[0],
+            "t.x3d:1:74: rotation of Transform: '0 0 0 1'; expected an axis other than 0 0 0; it "
+            "is left out");
+}
+
+TEST(X3dNodes, ValuesOutOfRangeAreToldWithWhatIsTaken) {
+  struct Case {
+    std::string scene, warning;
+  };
+  const std::string range = "; expected a number in the range of single precision; ";
+  const std::vector<Case> cases{
+      {"<Shape><Sphere radius='1e300'/></Shape>",
+       "24: radius of Sphere: '1e300'" + range + "3.40282e+38 is taken"},
+      {"<Transform translation='0 -1e999 0'/>",
+       "27: translation of Transform: '-1e999'" + range + "-3.40282e+38 is taken"},
+      {"<Transform scale='1e300 1 1'/>",
+       "19: scale of Transform: '1e300'" + range + "3.40282e+38 is taken"},
+      {"<Fog visibilityRange='1e300'/>",
+       "23: visibilityRange of Fog: '1e300'" + range + "3.40282e+38 is taken"},
+      {"<Fog visibilityRange='-1'/>",
+       "23: visibilityRange of Fog: '-1'; expected 0 or more; 0 is taken"},
+      {"<Fog visibilityRange='1' fogType='THICK'/>",
+       "35: fogType of Fog: 'THICK'; expected one of LINEAR, EXPONENTIAL; LINEAR is taken"},
+      {"<SpotLight beamWidth='-1'/>",
+       "23: beamWidth of SpotLight: '-1'; expected an angle of 0 to pi; 0 is taken"},
+      {"<SpotLight beamWidth='9'/>",
+       "23: beamWidth of SpotLight: '9'; expected an angle of 0 to pi; 3.14159 is taken"},
+      {"<SpotLight cutOffAngle='-1'/>",
+       "25: cutOffAngle of SpotLight: '-1'; expected an angle above 0, up to pi; the light is left "
+       "out"},
+      {"<PointLight attenuation='0 -1 1'/>",
+       "26: attenuation of PointLight: '0 -1 1'; expected 0 or more; 0 is taken for what is less"},
+      {"<Background skyColor='0 0 1 1 0 0' skyAngle='9'/>",
+       "46: skyAngle of Background: '9'; expected angles of 0 to pi; 3.14159 is taken"},
+      {"<Background skyColor='0 0 1 1 0 0' skyAngle='-1'/>",
+       "46: skyAngle of Background: '-1'; expected angles of 0 to pi; 0 is taken"},
+      {"<Background groundColor='0 0 1 1 0 0' groundAngle='2'/>",
+       "52: groundAngle of Background: '2'; expected angles of 0 to pi / 2; 1.5708 is taken"},
+      {"<Background skyColor='0 0 1 1 0 0 0 1 0' skyAngle='1 .5'/>",
+       "52: skyAngle of Background: '1 .5'; expected angles that do not fall; they are raised to "
+       "the last one"},
+      {"<Background skyColor='0 0 1 1 0 0' skyAngle='.3 .5 .7'/>",
+       "46: skyAngle of Background: 3 angles for 2 colours; expected one angle fewer than colours; "
+       "what is left over is left out"},
+      {"<Viewpoint nearDistance='5' farDistance='2'/>",
+       "42: farDistance of Viewpoint: '2'; expected more than nearDistance; it is left out"},
+      {"<OrthoViewpoint fieldOfView='-1 -1 1 1 2 3 4 5'/>",
+       "30: fieldOfView of OrthoViewpoint: 8 numbers; expected 4; the first ones are taken"},
+      {"<Transform scale='0 1 1'><Viewpoint/></Transform>",
+       "27: Viewpoint in a flat frame; expected a frame that can be inverted; it is left out"},
+      {"<Transform scale='0 1 1'><Background skyColor='1 0 0' groundColor='0 1 0'/></Transform>",
+       "27: Background in a flat frame; expected a frame that can be inverted; it is not turned"},
+      {"<Shape><Text string='A'><FontStyle style='BROAD'/></Text></Shape>",
+       "43: style of FontStyle: 'BROAD'; expected one of PLAIN, BOLD, ITALIC, BOLDITALIC; PLAIN is "
+       "taken"},
+      {"<Shape><Text string='A'><FontStyle spacing='-1'/></Text></Shape>",
+       "45: spacing of FontStyle: '-1'; expected 0 or more; 0 is taken"},
+      {"<Shape><TriangleSet><Coordinate point='0 0 0 1 0 0 0 1 0 1 1 0'/></TriangleSet></Shape>",
+       "9: 1 corner after the last face of TriangleSet; expected 3 a face; what is left over is "
+       "left out"},
+      {"<Shape geometry='ball'/>",
+       "18: geometry of Shape: 'ball'; expected a node; it is left out"},
+  };
+  for (const Case& c : cases) {
+    const LoadedScene loaded = of_xml("\n" + c.scene);
+    EXPECT_EQ(loaded.warnings, std::vector<std::string>{"t.x3d:2:" + c.warning}) << c.scene;
+    EXPECT_EQ(loaded.repairs.size(), 1u) << c.scene;
+    EXPECT_EQ(render_loaded(loaded, 4, 4).size(), 48u) << c.scene;
+  }
+  // Of values inside their range nothing is told, nor of the largest ones that exporters write.
+  for (const char* scene :
+       {"<PointLight radius='3.4028235e38'/>", "<Fog visibilityRange='3.402823466e+38'/>",
+        "<SpotLight beamWidth='3.1416' cutOffAngle='3.142'/>",
+        "<Background skyColor='0 0 1 1 0 0' skyAngle='3.1416'/>", "<Transform scale='-1 1 0'/>"})
+    EXPECT_EQ(of_xml(scene).warnings, std::vector<std::string>{}) << scene;
+}
+
+TEST(X3dNodes, ValuesOutOfRangeAreTheNearestInIt) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  EXPECT_EQ(
+      of_xml("<Shape><Sphere radius='1e300'/></Shape>").scene.nodes(0).shape().sphere().radius(),
+      kLargest);
+  EXPECT_EQ(of_xml("<Fog visibilityRange='1e300'/>").scene.fog().visibility_range(), kLargest);
+  EXPECT_FALSE(of_xml("<Fog visibilityRange='-1'/>").scene.has_fog());
+  EXPECT_EQ(of_xml("<SpotLight beamWidth='-1'/>").scene.nodes(0).light().spot().beam_width(), 0);
+  EXPECT_EQ(of_xml("<SpotLight cutOffAngle='-1'/>").scene.nodes_size(), 0);
+  EXPECT_EQ(of_xml("<Background skyColor='0 0 1 1 0 0' skyAngle='9'/>")
+                .scene.background()
+                .rings()
+                .sky_angles(0),
+            180);
+  EXPECT_EQ(of_xml("<Transform scale='0 1 1'><Viewpoint/></Transform>").scene.cameras(0).name(),
+            "default");
+  EXPECT_EQ(of_xml("<Viewpoint nearDistance='5' farDistance='2'/>").scene.cameras(0).far_distance(),
+            0);
+}
+
+TEST(X3dNodes, TheStyleOfAFontIsReadInEveryEncoding) {
+  const auto vertices = [](const LoadedScene& loaded) {
+    return blob_values<float>(loaded.scene.nodes(0).shape().mesh().positions(), loaded.blobs);
+  };
+  const auto bold =
+      vertices(of_xml("<Shape><Text string='\"A\"'><FontStyle style='BOLD'/></Text></Shape>"));
+  EXPECT_NE(bold, vertices(of_xml("<Shape><Text string='\"A\"'/></Shape>")));
+  EXPECT_EQ(
+      bold,
+      vertices(parse_classic(
+          "Shape { geometry Text { string \"A\" fontStyle FontStyle { style \"BOLD\" } } }")));
 }
 
 TEST(X3dNodes, GroupsThatDoNothingShowTheirChildren) {
