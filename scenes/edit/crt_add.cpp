@@ -111,6 +111,7 @@ Change write_crt_camera(const Outline& outline, std::string_view name, const Cam
   }
   const CameraNumbers numbers = camera_numbers(pose, there, false);
   EditSequence sequence(outline);
+  sequence.keep(camera);
   const auto set = [&](std::string_view field, const std::string& value) {
     sequence.then([&](const Outline& now) { return set_crt_field(now, camera, field, value); });
   };

@@ -1,14 +1,21 @@
 #include "scenes/edit/edit_sequence.h"
 
+#include <utility>
+
 namespace tessera::edit {
 
 void EditSequence::apply(const Change& change) {
   if (refusal_) return;
   refusal_ = change.refusal;
   if (refusal_ || change.edits.empty()) return;
+  Outline made = outline(now_.language(), apply_edits(now_.text(), change.edits));
+  if (entity_ >= made.entities().size()) {
+    refusal_ = Refusal{"a text with mistakes", "one whose parts stay what they are", {}};
+    return;
+  }
   for (size_t i = change.edits.size(); i-- > 0;)
     replace(change.edits[i].range, change.edits[i].text);
-  now_ = outline(now_.language(), apply_edits(now_.text(), change.edits));
+  now_ = std::move(made);
 }
 
 size_t EditSequence::split(uint32_t offset) {

@@ -17,6 +17,9 @@ class EditSequence {
   }
 
   const Outline& now() const { return now_; }
+  /// From now on a change is refused that leaves no entity of that number, as one may of a text
+  /// with mistakes.
+  void keep(int entity) { entity_ = static_cast<size_t>(entity); }
   /// Nothing more is done once one was refused.
   void apply(const Change& change);
   template <typename Make>
@@ -39,6 +42,7 @@ class EditSequence {
 
   const Outline* first_;
   Outline now_;
+  size_t entity_ = 0;
   std::vector<Piece> pieces_;
   std::optional<Refusal> refusal_;
 };

@@ -32,7 +32,9 @@ bool has(const Outline& outline, int entity, std::string_view path) {
 class CameraWriter {
  public:
   CameraWriter(const Outline& outline, int camera, const CameraPose& pose)
-      : sequence_(outline), camera_(camera), pose_(pose) {}
+      : sequence_(outline), camera_(camera), pose_(pose) {
+    sequence_.keep(camera);
+  }
 
   Change write() {
     place();

@@ -66,6 +66,7 @@ void set_material(EditSequence& sequence, int entity, const std::string& materia
 }
 
 void set_all(EditSequence& sequence, int entity, const Placement& wanted) {
+  sequence.keep(entity);
   const WrittenPlacement read = read_placement(sequence.now(), entity);
   const Placement& there = read.placement;
   if (there.file != wanted.file) set_file(sequence, entity, wanted.file);

@@ -33,6 +33,7 @@ Change write_xml_camera(const Outline& outline, std::string_view name, const Cam
       if (sequence.now().entities()[i].type == "Viewpoint") camera = static_cast<int>(i);
     if (camera < 0) return sequence.finish();
   }
+  sequence.keep(camera);
   const Entity& asked = sequence.now().entities()[static_cast<size_t>(camera)];
   for (int above = asked.parent; above > 0;
        above = sequence.now().entities()[static_cast<size_t>(above)].parent)

@@ -81,10 +81,10 @@ TEST(MeshBoundary, OpenEdgesAreThoseThatLackANeighbour) {
   for (size_t k = 0; k < 3; ++k) expected.emplace(gone[(k + 1) % 3], gone[k]);
   for (const OpenEdge& edge : open_edges(mesh)) found.emplace(edge.from, edge.to);
   EXPECT_EQ(found.size(), 3u);
-  for (const auto& [from, to] : found)
+  for (const auto& other : found)
     EXPECT_TRUE(std::ranges::any_of(expected, [&](const auto& edge) {
-      return mesh.vertex(edge.first) == mesh.vertex(from) &&
-             mesh.vertex(edge.second) == mesh.vertex(to);
+      return mesh.vertex(edge.first) == mesh.vertex(other.first) &&
+             mesh.vertex(edge.second) == mesh.vertex(other.second);
     }));
   mesh.triangles.push_back({gone[0], gone[2], gone[1]});
   EXPECT_EQ(open_edges(mesh).size(), 6u) << "the wrong way round: each lacks two";

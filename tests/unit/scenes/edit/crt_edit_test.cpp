@@ -252,5 +252,12 @@ TEST(SourceMap, DeepCrtEndsSomewhere) {
   }
 }
 
+TEST(StudioEdit, AChangeOfATextWithMistakesThatLosesItsCameraIsRefused) {
+  const Change change =
+      write_camera(crt_text("(Camera"), "", {{1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40.0, "", {}});
+  ASSERT_TRUE(change.refusal);
+  EXPECT_EQ(change.refusal->found, "a text with mistakes");
+}
+
 }  // namespace
 }  // namespace tessera::edit
