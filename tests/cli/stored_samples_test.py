@@ -194,6 +194,24 @@ class StoredSamples(TesseraTest):
         for i, code in enumerate((87, 46, 28)):
             self.assertAlmostEqual(light(code / 255) * 128 / 255, webp[i], delta=0.003)
 
+    def test_jpeg_2000_of_any_depth_and_with_alpha(self):
+        """Without loss, of one colour."""
+        rows = []
+        for bits in 8, 16:
+            for pixel in GREY, RGB, RGB + ALPHA:
+                name, values = f"{len(pixel)}x{bits}.jp2", stored(pixel, bits)
+                subprocess.run(["oiiotool", "--create", "64x64", str(len(pixel)),
+                                "--fill:color=" + ",".join(map(str, values)), "64x64", "-d", f"uint{bits}",
+                                "--attrib", "oiio:UnassociatedAlpha", "1", "-o", self.folder / name],
+                               check=True, stdout=subprocess.DEVNULL)
+                alpha = values[3] if len(pixel) == 4 else 1
+                rows.append(Row(name, b"", lit(values[:3]), alpha))
+        quads = "".join(QUAD % {"i": i, "file": row.name, "encoding": ""} for i, row in enumerate(rows))
+        for row, pixel in zip(rows, self.row_of(quads, len(rows), 1)):
+            with self.subTest(file=row.name):
+                for is_, wanted in zip(pixel, row.over(1)):
+                    self.assertAlmostEqual(wanted, is_, delta=row.near)
+
     def test_beside_an_associated_edge_nothing_is_dark(self):
         """A white disc with a soft edge, before white."""
         def cover(x, y):

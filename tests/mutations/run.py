@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 """Plants one known bug after another in a copy of the source and makes sure that a test fails.
 
-  tests/mutations/run.py                 all of them: some ten minutes on four cores
+  tests/mutations/run.py                 all of them, on each core another one
   tests/mutations/run.py --only torus    those with "torus" in their names
   tests/mutations/run.py --list          what there is
   tests/mutations/run.py --check         whether each finds its place in the source
 
-The copy and its build stay in build/mutations, for the next run. The exit code is 1 where a bug
+The copies, one for each core, and their builds stay in build/mutations, for the next run. The exit code is 1 where a bug
 was not caught, or its place is not in the source any more. Nothing of this is ever in the program itself.
 """
 
 import argparse
+import concurrent.futures
 import os
 import pathlib
+import queue
 import shutil
 import subprocess
 import sys
@@ -22,8 +24,6 @@ from mutations import MUTATIONS, PYTHON
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HOME = ROOT / "build" / "mutations"
-TREE, BUILD = HOME / "tree", HOME / "build"
-
 
 def tracked_files():
     listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others",
@@ -32,81 +32,108 @@ def tracked_files():
             if name and (ROOT / name).is_file()]
 
 
-def refresh_tree():
-    """Copies what has changed, so that what has not is not compiled again."""
-    names = tracked_files()
-    for name in names:
-        source, copy = ROOT / name, TREE / name
-        if copy.exists() and copy.read_bytes() == source.read_bytes():
-            continue
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, copy)
-        shutil.copymode(source, copy)
-    known = set(names)
-    for copy in [path for path in TREE.rglob("*") if path.is_file()]:
-        if str(copy.relative_to(TREE)) not in known:
-            copy.unlink()
+class Copy:
+    """A copy of the source in which one bug at a time is planted, and its build."""
+
+    def __init__(self, number):
+        self.tree, self.build_folder = HOME / str(number) / "tree", HOME / str(number) / "build"
+        self.log = HOME / f"{number}.log"
+        self.log.parent.mkdir(parents=True, exist_ok=True)
+        self.log.write_text("")
+        self.refresh()
+
+    def refresh(self):
+        """Copies what has changed, so that what has not is not compiled again."""
+        names = tracked_files()
+        for name in names:
+            source, copy = ROOT / name, self.tree / name
+            if copy.exists() and copy.read_bytes() == source.read_bytes():
+                continue
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, copy)
+            shutil.copymode(source, copy)
+        known = set(names)
+        for copy in [path for path in self.tree.rglob("*") if path.is_file()]:
+            if str(copy.relative_to(self.tree)) not in known:
+                copy.unlink()
+
+    def run(self, command):
+        with open(self.log, "a") as out:
+            return subprocess.run(command, stdout=out, stderr=subprocess.STDOUT,
+                                  check=False).returncode
+
+    def build(self, targets, jobs):
+        if not (self.build_folder / "build.ninja").exists():
+            configure = ["cmake", "-G", "Ninja", "-S", str(self.tree), "-B", str(self.build_folder),
+                         "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1", "-DTESSERA_TESTS=ON"]
+            if self.run(configure) != 0:
+                sys.exit(f"cmake failed: see {self.log}")
+        if PYTHON in targets:
+            targets = [*(target for target in targets if target != PYTHON), "tessera",
+                       "tessera_python"]
+        return self.run(["cmake", "--build", str(self.build_folder), "-j", str(jobs), "--target",
+                         *targets])
+
+    def command_of(self, mutation):
+        """What runs its tests: the command, and what its environment and folder are."""
+        programs = self.build_folder / "bin"
+        if mutation.program == PYTHON:
+            return (["/usr/bin/python3", "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
+                     *mutation.tests.split()],
+                    {"cwd": self.tree / "tests" / "python",
+                     "env": {**os.environ, "TESSERA_PROGRAM": str(programs / "tessera"),
+                             "PYTHONPATH": str(self.build_folder / "python")}})
+        return [str(programs / mutation.program), f"--gtest_filter={mutation.tests}",
+                "--gtest_fail_fast", "--gtest_brief=1"], {}
+
+    def tests_fail(self, mutation):
+        command, options = self.command_of(mutation)
+        try:
+            result = subprocess.run(command, capture_output=True, text=True, errors="replace",
+                                    check=False, timeout=300, **options)
+        except subprocess.TimeoutExpired:
+            return "does not end"  # which ctest, too, takes as a failure
+        with open(self.log, "a") as out:
+            out.write(result.stdout[-4000:])
+        if result.returncode == 0:
+            return None
+        for line in result.stdout.splitlines():
+            if line.startswith("[  FAILED  ] "):
+                return line.split("] ", 1)[1].split(",")[0].split(" (")[0]
+            if line.startswith("FAILED "):
+                return line.split(" ")[1]
+        return "crashed"
+
+    def plant(self, mutation):
+        """The test that caught the bug; None where none did."""
+        path = self.tree / mutation.file
+        text = path.read_text()
+        path.write_text(text.replace(mutation.old, mutation.new))
+        try:
+            if self.build([mutation.program], 1) != 0:
+                sys.exit(f"'{mutation.name}' does not compile: see {self.log}")
+            return self.tests_fail(mutation)
+        finally:
+            path.write_text(text)
 
 
-def run(command, log, **options):
-    with open(log, "a") as out:
-        return subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, check=False,
-                              **options).returncode
+def plant_all(chosen, copies):
+    """Those of the mutations that no test caught. Tells of each."""
+    free = queue.SimpleQueue()
+    for copy in copies:
+        free.put(copy)
 
-
-def build(targets, jobs, log):
-    if not (BUILD / "build.ninja").exists():
-        configure = ["cmake", "-G", "Ninja", "-S", str(TREE), "-B", str(BUILD),
-                     "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1", "-DTESSERA_TESTS=ON"]
-        if run(configure, log) != 0:
-            sys.exit(f"cmake failed: see {log}")
-    if PYTHON in targets:
-        targets = [*(target for target in targets if target != PYTHON), "tessera", "tessera_python"]
-    return run(["cmake", "--build", str(BUILD), "-j", str(jobs), "--target", *targets], log)
-
-
-def command_of(mutation):
-    """What runs its tests: the command, and what its environment and folder are."""
-    if mutation.program == PYTHON:
-        return (["/usr/bin/python3", "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
-                 *mutation.tests.split()],
-                {"cwd": TREE / "tests" / "python",
-                 "env": {**os.environ, "TESSERA_PROGRAM": str(BUILD / "bin" / "tessera"),
-                         "PYTHONPATH": str(BUILD / "python")}})
-    return [str(BUILD / "bin" / mutation.program), f"--gtest_filter={mutation.tests}",
-            "--gtest_fail_fast", "--gtest_brief=1"], {}
-
-
-def tests_fail(mutation, log):
-    command, options = command_of(mutation)
-    try:
-        result = subprocess.run(command, capture_output=True, text=True, errors="replace",
-                                check=False, timeout=300, **options)
-    except subprocess.TimeoutExpired:
-        return "does not end"  # which ctest, too, takes as a failure
-    with open(log, "a") as out:
-        out.write(result.stdout[-4000:])
-    if result.returncode == 0:
-        return None
-    for line in result.stdout.splitlines():
-        if line.startswith("[  FAILED  ] "):
-            return line.split("] ", 1)[1].split(",")[0].split(" (")[0]
-        if line.startswith("FAILED "):
-            return line.split(" ")[1]
-    return "crashed"
-
-
-def plant(mutation, jobs, log):
-    """The test that caught the bug; None where none did."""
-    path = TREE / mutation.file
-    text = path.read_text()
-    path.write_text(text.replace(mutation.old, mutation.new))
-    try:
-        if build([mutation.program], jobs, log) != 0:
-            sys.exit(f"'{mutation.name}' does not compile: see {log}")
-        return tests_fail(mutation, log)
-    finally:
-        path.write_text(text)
+    def plant(mutation):
+        copy, began = free.get(), time.monotonic()
+        try:
+            caught_by = copy.plant(mutation)
+        finally:
+            free.put(copy)
+        print(f"{mutation.name:68} {caught_by or 'NOT CAUGHT':70} {time.monotonic() - began:5.0f} s",
+              flush=True)
+        return caught_by
+    with concurrent.futures.ThreadPoolExecutor(len(copies)) as threads:
+        return [m for m, caught_by in zip(chosen, threads.map(plant, chosen)) if not caught_by]
 
 
 def main():
@@ -128,24 +155,15 @@ def main():
     if options.check:
         return 1 if lost else 0
     chosen = [m for m in chosen if m not in lost]
-    HOME.mkdir(parents=True, exist_ok=True)
-    log = HOME / "log.txt"
-    log.write_text("")
-    refresh_tree()
     programs = sorted({m.program for m in chosen})
-    if build(programs, options.jobs, log) != 0:
-        sys.exit(f"the unchanged source does not build: see {log}")
+    copies = [Copy(i) for i in range(min(options.jobs, max(1, len(chosen))))]
+    for copy in copies:
+        if copy.build(programs, options.jobs) != 0:
+            sys.exit(f"the unchanged source does not build: see {copy.log}")
     for m in {(m.program, m.tests): m for m in chosen}.values():
-        if tests_fail(m, log):
-            sys.exit(f"without any bug '{m.tests}' of {m.program} fails already: see {log}")
-    survived = []
-    for m in chosen:
-        began = time.monotonic()
-        caught_by = plant(m, options.jobs, log)
-        print(f"{m.name:68} {caught_by or 'NOT CAUGHT':70} {time.monotonic() - began:5.0f} s",
-              flush=True)
-        if not caught_by:
-            survived.append(m.name)
+        if copies[0].tests_fail(m):
+            sys.exit(f"without any bug '{m.tests}' of {m.program} fails already: see {copies[0].log}")
+    survived = plant_all(chosen, copies)
     print(f"{len(chosen) - len(survived)} of {len(chosen) + len(lost)} bugs caught")
     return 1 if survived or lost else 0
 
