@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "renderer/math/bounds.h"
@@ -13,6 +12,31 @@ namespace tessera {
 namespace {
 
 constexpr double kSphere = 4 * std::numbers::pi;
+
+/// A sum of angles as the complex number whose argument it is, but for whole turns, so that one arc
+/// tangent is enough for all of them.
+class AngleSum {
+ public:
+  /// Adds the argument of x + iy, from -pi to pi; of 0 nothing.
+  void add(double x, double y) {
+    const double real = real_ * x - imaginary_ * y, imaginary = real_ * y + imaginary_ * x;
+    const double size = std::abs(real) + std::abs(imaginary);
+    if (size == 0) return;
+    // Two angles of one sign that together have the other make more than half a turn.
+    const bool is_below = std::signbit(y);
+    if (std::signbit(imaginary_) == is_below && std::signbit(imaginary) != is_below)
+      turns_ += is_below ? -1 : 1;
+    real_ = real / size;
+    imaginary_ = imaginary / size;
+  }
+  double value() const {
+    return portable::atan2(imaginary_, real_) + 2 * std::numbers::pi * turns_;
+  }
+
+ private:
+  double real_ = 1, imaginary_ = 0;
+  int turns_ = 0;
+};
 
 /// The solid angles that triangles fill as seen from the origin of a ray that go from an edge to
 /// the point endlessly far behind it.
@@ -26,31 +50,33 @@ class StripAngles {
     aside_ = aside - dot(aside, along_) * along_;
   }
 
-  /// By van Oosterom and Strackee 1983, without differences that cancel. On which side of the edge
-  /// the ray passes is decided as for triangles, so that it fits their crossings.
-  double of(const Point3& from, const Point3& to) const {
-    const int side = edge_side(project(frame_, from), project(frame_, to));
-    if (side == 0) return 0;
-    const Direction a = direction(from), b = direction(to);
-    const double volume = dot(along_, cross(b.across, a.across));
-    return 2 * portable::atan2(std::copysign(volume, side),
-                               a.behind * b.behind + dot(a.across, b.across));
-  }
-
- private:
-  struct Direction {
-    Vec3 across;        ///< of the vector to a point what is at right angles to the ray
+  /// A point as the ray has it.
+  struct Seen {
+    ProjectedVertex projected;
+    Vec3 across;        ///< of the vector to it what is at right angles to the ray
     double behind = 0;  ///< its length less what of it is along the ray
   };
-  Direction direction(const Point3& point) const {
+  Seen seen(const Point3& point) const {
     const Vec3 v = point - origin_;
     const double along = dot(v, along_), whole = length(v);
     const Vec3 across = v - along * along_;
     const double squared = length_squared(across);
-    if (along > 0 && squared == 0) return {aside_, 0};
-    return {across, along > 0 ? squared / (whole + along) : whole - along};
+    const ProjectedVertex projected = project(frame_, point);
+    if (along > 0 && squared == 0) return {projected, aside_, 0};
+    return {projected, across, along > 0 ? squared / (whole + along) : whole - along};
   }
 
+  /// Adds half of that of the edge from `a` to `b`, by van Oosterom and Strackee 1983, without
+  /// differences that cancel. On which side of the edge the ray passes is decided as for triangles,
+  /// so that it fits their crossings.
+  void add_half(const Seen& a, const Seen& b, AngleSum& sum) const {
+    const int side = edge_side(a.projected, b.projected);
+    if (side == 0) return;
+    const double volume = dot(along_, cross(b.across, a.across));
+    sum.add(a.behind * b.behind + dot(a.across, b.across), std::copysign(volume, side));
+  }
+
+ private:
   TriangleRay frame_;
   Point3 origin_;
   Vec3 along_, aside_;
@@ -172,53 +198,73 @@ void MeshBoundary::build_chain(uint32_t first, uint32_t last) {
   nodes_[self].end = static_cast<uint32_t>(nodes_.size());
 }
 
-double MeshBoundary::angle(const Ray& ray, double cut) const {
+MeshBoundary::Angle MeshBoundary::angle(const Ray& ray, double may_miss) const {
+  if (nodes_.empty()) return {};
   constexpr double kFar = 2.5;
   const StripAngles strips(ray);
   const Vec3 along = normalize(ray.direction);
-  const auto strip = [&](uint32_t from, uint32_t to) {
-    return strips.of(points_[from], points_[to]);
+  AngleSum half;
+  double dipoles = 0;
+  double left = may_miss;
+  uint32_t last = 0;
+  StripAngles::Seen seen_last = strips.seen(points_[last]);
+  // What came before mostly ended where this begins.
+  const auto see = [&](uint32_t point) {
+    return point == last ? seen_last : strips.seen(points_[point]);
   };
-  double angle = 0;
   for (uint32_t i = 0; i < nodes_.size();) {
     const Node& node = nodes_[i];
     const Vec3 to_center = node.center - ray.origin;
     const double squared = length_squared(to_center), ahead = dot(to_center, along);
-    const double near = kFar * node.radius, kept = node.radius + cut;
+    const double near = kFar * node.radius;
     // A loop that the ray goes through is no dipole: it is seen from behind, all of the sphere but
     // the loop.
     const bool is_passed = ahead <= 0 || squared - ahead * ahead > 1.01 * node.radius * node.radius;
     const bool is_whole = points_[node.first] == points_[node.last];
-    if (is_passed && is_whole && squared > kept * kept) {
+    bool is_far = is_passed && squared > near * near;
+    if (is_far) {
+      dipoles += dot(node.area, to_center) / (squared * std::sqrt(squared));
+    } else if (is_passed && left > 0 && squared > node.radius * node.radius) {
+      const double gap = std::sqrt(squared) - node.radius, most = node.most_area / (gap * gap);
+      is_far = most <= left / 2;
+      if (is_far) left -= most;
+    }
+    if (is_far) {
+      if (!is_whole) {
+        const StripAngles::Seen first = see(node.first);
+        last = node.last;
+        seen_last = strips.seen(points_[last]);
+        strips.add_half(first, seen_last, half);
+      }
       i = node.end;
       continue;
     }
-    if (is_passed && squared > near * near) {
-      angle += dot(node.area, to_center) / (squared * std::sqrt(squared));
-      if (!is_whole) angle += strip(node.first, node.last);
-      i = node.end;
-      continue;
+    if (node.is_leaf) {
+      seen_last = see(node.first);
+      for (last = node.first; last < node.last; ++last) {
+        const StripAngles::Seen next = strips.seen(points_[last + 1]);
+        strips.add_half(seen_last, next, half);
+        seen_last = next;
+      }
     }
-    if (node.is_leaf)
-      for (uint32_t p = node.first; p < node.last; ++p) angle += strip(p, p + 1);
     ++i;
   }
-  return angle;
+  return {dipoles + 2 * half.value(), may_miss - left};
 }
 
 double MeshBoundary::winding_number(const Ray& ray, int crossing_number) const {
   // Strips from the open edges away from where the ray goes close the mesh without crossing the
   // ray. It goes around its origin as often as the ray leaves it; the strips take their share off.
-  return angle(ray, std::numeric_limits<double>::infinity()) / kSphere - crossing_number;
+  return angle(ray, 0).sum / kSphere - crossing_number;
 }
 
 bool MeshBoundary::goes_around(const Ray& ray, int crossing_number) const {
   if (nodes_.empty()) return crossing_number != 0;
-  // From further away than the cut, what closes all loops fills no more than that of the number.
-  constexpr double kMost = 0.4, kRounding = 0.01;
-  const double cut = std::sqrt(nodes_[0].most_area / (kMost * kSphere));
-  const double about = std::abs(angle(ray, cut) / kSphere - crossing_number);
-  if (std::abs(about - 0.5) > kMost + kRounding) return about > 0.5;
+  constexpr double kMayMiss = 0.4, kRounding = 0.01;
+  const Angle found = angle(ray, kMayMiss * kSphere);
+  const double about = std::abs(found.sum / kSphere - crossing_number);
+  const bool is_sure = std::abs(about - 0.5) > found.missed / kSphere + kRounding;
+  if (found.missed == 0 || is_sure) return about > 0.5;
   return std::abs(winding_number(ray, crossing_number)) > 0.5;
 }
 

@@ -38,7 +38,7 @@ class MeshBoundary {
   /// dipoles that Barill et al., Fast Winding Numbers for Soups and Clouds, 2018, take for
   /// triangles, which is right to some hundredths.
   double winding_number(const Ray& ray, int crossing_number) const;
-  /// Whether its size is above a half, which mostly shows without looking at all holes.
+  /// Whether its size is above a half, which mostly shows without a close look at all holes.
   bool goes_around(const Ray& ray, int crossing_number) const;
 
  private:
@@ -59,9 +59,12 @@ class MeshBoundary {
   std::vector<Loop> make_loops(const TriangleMesh& mesh);
   void build_loops(std::vector<Loop>& loops, size_t begin, size_t end);
   void build_chain(uint32_t first, uint32_t last);
-  /// The sum of solid angles that winding_number() is made of. Whole loops are left out that the
-  /// ray does not go through and that are further away than `cut` from its origin.
-  double angle(const Ray& ray, double cut) const;
+  struct Angle {
+    double sum = 0, missed = 0;
+  };
+  /// The sum of solid angles that winding_number() is made of. What fills little is left out, as
+  /// long as all of that, which is at most `missed`, is no more than `may_miss`.
+  Angle angle(const Ray& ray, double may_miss) const;
 
   std::vector<OpenEdge> edges_;
   std::vector<Point3> points_;  ///< of loop after loop, the first of each once more at its end
