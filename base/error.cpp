@@ -205,7 +205,7 @@ std::optional<std::string> nearest_name(std::string_view name,
   constexpr size_t kLongestName = 256;
   if (name.size() > kLongestName) return std::nullopt;
   const std::string* best = nullptr;
-  // One letter in the place of another one is no likeness where it is the only one.
+  // A name of one letter is never like another by its letters alone.
   size_t best_distance = std::min(std::max<size_t>(1, (name.size() + 1) / 3) + 1, name.size());
   for (const std::string& candidate : candidates) {
     if (candidate.size() > kLongestName) continue;

@@ -116,8 +116,8 @@ class WorkerService {
   /// Fewer workers are there: perhaps none is left that can build the scene of some job.
   void look_for_shortages();
   void note_stuck(const WorkerRecord& worker);
-  /// Follows what a scheduler decided, and leaves it to serve() to give out what became free. Only
-  /// once that is done for all jobs is it known which tile is the most urgent.
+  /// Follows what a scheduler decided. What became free is given out by serve(), which is called
+  /// once this is done for all jobs: only then is it known which tile is the most urgent.
   void apply(ActiveFrame& job, const SchedulerEvents& events, Time now);
   /// Gives tiles to those whose tiles were cancelled since, and to those who found none before.
   void serve(Time now);
@@ -136,8 +136,9 @@ class WorkerService {
   std::vector<Outgoing> outgoing_;
   std::vector<pid_t> stuck_;
   FarmSnapshot::Counters counters_;
-  std::set<WorkerId> idle_;   ///< who may be given a tile that becomes pending
-  std::set<WorkerId> freed_;  ///< whose tiles were cancelled since serve()
+  std::set<WorkerId> idle_;        ///< who may be given a tile that becomes pending
+  std::set<WorkerId> freed_;       ///< whose tiles were cancelled since serve()
+  bool some_are_pending_ = false;  ///< tiles of a job that apply() was called for since then
   uint64_t frames_begun_ = 0;
   Tally refusals_, taken_;  ///< as the log tells them
   bool draining_ = false, dismissed_ = false;

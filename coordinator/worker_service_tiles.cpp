@@ -234,6 +234,7 @@ void WorkerService::apply(ActiveFrame& job, const SchedulerEvents& events, Time 
   for (const uint32_t tile : events.given_up) {
     spdlog::error("tile {} is given up: it failed too often", tile);
   }
+  some_are_pending_ = some_are_pending_ || job.scheduler().has_pending();
   for (const WorkerId id : events.blamed) {
     idle_.insert(id);
     WorkerRecord* worker = workers_.by_id(id);
@@ -245,7 +246,7 @@ void WorkerService::serve(Time now) {
   for (const WorkerId id : std::exchange(freed_, {})) {
     if (WorkerRecord* worker = workers_.by_id(id)) fill(*worker, now);
   }
-  fill_idle(now);
+  if (std::exchange(some_are_pending_, false)) fill_idle(now);
 }
 
 }  // namespace tessera

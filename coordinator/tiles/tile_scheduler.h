@@ -95,8 +95,8 @@ class TileScheduler {
   /// A tile for this worker: a copy of a suspect's, or the next pending one. `busy`: it holds tiles
   /// of other jobs.
   std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
-  /// Whether assign() would give it one that is pending or to be checked; of those that were split
-  /// only with `pieces`.
+  /// Whether assign() would give it one that is pending or to be checked. Pieces of tiles that were
+  /// split count only if `pieces` is true.
   bool has_tile_for(WorkerId worker, Time now, bool busy, bool pieces) const;
   /// How many tiles a worker of that many threads should hold: one for each, and some that wait,
   /// so that no thread waits for the network. While tiles come back at once and many are left, more

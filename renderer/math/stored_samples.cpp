@@ -163,13 +163,16 @@ ColorChannels color_channels_of(std::span<const std::string> names) {
 }
 
 void samples_to_floats(std::span<const std::byte> samples, uint32_t bits, std::span<float> floats) {
-  if (bits == 32) std::memcpy(floats.data(), samples.data(), floats.size_bytes());
-  for (size_t i = 0; bits == 8 && i < floats.size(); ++i)
-    floats[i] = static_cast<float>(samples[i]) / 255;
-  for (size_t i = 0; bits == 16 && i < floats.size(); ++i) {
-    uint16_t half = 0;
-    std::memcpy(&half, &samples[i * sizeof half], sizeof half);
-    floats[i] = half_to_float(half);
+  if (bits == 32) {
+    std::memcpy(floats.data(), samples.data(), floats.size_bytes());
+  } else if (bits == 16) {
+    for (size_t i = 0; i < floats.size(); ++i) {
+      uint16_t half = 0;
+      std::memcpy(&half, &samples[i * sizeof half], sizeof half);
+      floats[i] = half_to_float(half);
+    }
+  } else {
+    for (size_t i = 0; i < floats.size(); ++i) floats[i] = static_cast<float>(samples[i]) / 255;
   }
 }
 

@@ -59,11 +59,13 @@ class MeshBoundary {
   std::vector<Loop> make_loops(const TriangleMesh& mesh);
   void build_loops(std::vector<Loop>& loops, size_t begin, size_t end);
   void build_chain(uint32_t first, uint32_t last);
+  /// In steradians.
   struct Angle {
-    double sum = 0, missed = 0;
+    double sum = 0;
+    double missed = 0;  ///< an upper bound of what was left out of the sum
   };
-  /// The sum of solid angles that winding_number() is made of. What fills little is left out, as
-  /// long as all of that, which is at most `missed`, is no more than `may_miss`.
+  /// The sum of solid angles that winding_number() is made of. Chains and loops that fill little of
+  /// the sphere are left out, as long as together they are at most `may_miss`.
   Angle angle(const Ray& ray, double may_miss) const;
 
   std::vector<OpenEdge> edges_;

@@ -22,7 +22,9 @@ class TokenReader {
   std::string_view rest_of_line();
   /// Goes to the next line that is not blank, and reads as if the text ended where that line does.
   void enter_line();
-  /// Goes behind that line, from which the whole text is read again.
+  /// Goes to that line's end.
+  void skip_line() { at_ = end_; }
+  /// Goes to the end of that line, from which the whole text is read again.
   void leave_line();
   /// The next word as any number, infinite and NaN too; infinite where double precision cannot hold
   /// it, and NaN for what is no number.

@@ -28,12 +28,16 @@ void Warnings::repair(std::string_view found, std::string_view expected, std::st
   const size_t named = path.find_last_not_of("/0123456789");
   std::string_view name = path.substr(0, named == path.npos ? 0 : path.find('/', named));
   name.remove_prefix(name.rfind('/') + 1);
-  const auto [known, is_new] =
-      index_.try_emplace(fmt::format("{}\n{}\n{}", name, expected, taken), entries_.size());
-  if (!is_new) {
+  const std::string key = fmt::format("{}\n{}\n{}", name, expected, taken);
+  if (const auto known = index_.find(key); known != index_.end()) {
     ++entries_[known->second].count;
     return;
   }
+  if (entries_.size() >= kMostInAll) {
+    ++dropped_;
+    return;
+  }
+  index_.emplace(key, entries_.size());
   const std::string said = path.empty() ? std::string(found) : fmt::format("{}: {}", path, found);
   const SourcePlace place = where ? where() : SourcePlace{};
   entries_.push_back({fmt::format("{}; expected {}; {}", said, expected, taken), place, 1,
@@ -43,14 +47,6 @@ void Warnings::repair(std::string_view found, std::string_view expected, std::st
 void Warnings::repair(const Error& error, std::string_view taken) {
   const Diagnostic& told = error.diagnostics().front();
   repair(told.found, told.expected, taken, [&] { return told.place; });
-}
-
-void Warnings::repair(std::string_view what, const Where& where) {
-  add(what, where);
-  const auto known = index_.find(what);
-  if (known == index_.end()) return;
-  Entry& entry = entries_[known->second];
-  if (!entry.repair) entry.repair = make_diagnostic(entry.place, what, "");
 }
 
 std::vector<std::string> Warnings::list(const std::string& file) const {

@@ -20,7 +20,10 @@ void add_warning(LoadedScene& loaded, const std::string& file, const std::string
 /// where that is known, the place where it first did.
 class Warnings {
  public:
-  static constexpr size_t kMostEntries = 50;
+  static constexpr size_t kMostEntries = 50;  ///< of add()
+  /// Of all together. More can only come of a file that was made to be so, as a rule may have a
+  /// number of the file in it.
+  static constexpr size_t kMostInAll = 1000;
   /// Finds a place, which may take time; asked once for each thing.
   using Where = std::function<SourcePlace()>;
 
@@ -36,12 +39,9 @@ class Warnings {
               const Where& where, std::string_view path = {});
   /// The same of an error that has one place.
   void repair(const Error& error, std::string_view taken);
-  /// The same where `what` says it all, as in "intensity below 0 is read as 0".
-  void repair(std::string_view what, const Where& where);
 
-  /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance; at most
-  /// kMostEntries beside repairs, which are no more than there are rules; "FILE: what" where no
-  /// place is known.
+  /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance; "FILE:
+  /// what" where no place is known. One line more tells how many are left out.
   std::vector<std::string> list(const std::string& file) const;
   /// Adds that list, and the parts of each of its lines, to what the file became.
   void add_to(LoadedScene& loaded, const std::string& file) const;

@@ -117,23 +117,30 @@ class Copy:
             path.write_text(text)
 
 
-def plant_all(chosen, copies):
-    """Those of the mutations that no test caught. Tells of each."""
+def on_copies(copies, method, mutations):
+    """Calls method(copy, mutation) for each mutation on a copy that is free, side by side: the copy, the
+    mutation and the result, in order."""
     free = queue.SimpleQueue()
     for copy in copies:
         free.put(copy)
 
-    def plant(mutation):
-        copy, began = free.get(), time.monotonic()
+    def call(mutation):
+        copy = free.get()
         try:
-            caught_by = copy.plant(mutation)
+            return copy, mutation, method(copy, mutation)
         finally:
             free.put(copy)
-        print(f"{mutation.name:68} {caught_by or 'NOT CAUGHT':70} {time.monotonic() - began:5.0f} s",
-              flush=True)
-        return caught_by
     with concurrent.futures.ThreadPoolExecutor(len(copies)) as threads:
-        return [m for m, caught_by in zip(chosen, threads.map(plant, chosen)) if not caught_by]
+        yield from threads.map(call, mutations)
+
+
+def plant(copy, mutation):
+    """Copy.plant(), told."""
+    began = time.monotonic()
+    caught_by = copy.plant(mutation)
+    print(f"{mutation.name:68} {caught_by or 'NOT CAUGHT':70} {time.monotonic() - began:5.0f} s",
+          flush=True)
+    return caught_by
 
 
 def main():
@@ -160,10 +167,11 @@ def main():
     for copy in copies:
         if copy.build(programs, options.jobs) != 0:
             sys.exit(f"the unchanged source does not build: see {copy.log}")
-    for m in {(m.program, m.tests): m for m in chosen}.values():
-        if copies[0].tests_fail(m):
-            sys.exit(f"without any bug '{m.tests}' of {m.program} fails already: see {copies[0].log}")
-    survived = plant_all(chosen, copies)
+    whole = {(m.program, m.tests): m for m in chosen}.values()
+    for copy, m, failed in on_copies(copies, Copy.tests_fail, whole):
+        if failed:
+            sys.exit(f"without any bug '{m.tests}' of {m.program} fails already: see {copy.log}")
+    survived = [m for _, m, caught_by in on_copies(copies, plant, chosen) if not caught_by]
     print(f"{len(chosen) - len(survived)} of {len(chosen) + len(lost)} bugs caught")
     return 1 if survived or lost else 0
 

@@ -120,7 +120,7 @@ std::optional<double> size_of(const GltfValue& value, double beyond, std::string
   if (number > 0 && number < beyond) return number;
   const bool is_mirrored = number < 0 && -number < beyond;
   value.repair(value.shown(), expected,
-               is_mirrored ? fmt::format("{} is taken", -number) : "the camera is left out");
+               is_mirrored ? "it is taken without its sign" : "the camera is left out");
   return is_mirrored ? std::optional(-number) : std::nullopt;
 }
 

@@ -104,8 +104,9 @@ class MtlReader {
     target.*member = MtlEntry::Rgb{r, g.value_or(r), b.value_or(r)};
     for (float& c : *(target.*member)) {
       if (c >= 0) continue;
-      warnings_.repair(fmt::format("a negative component of {} is taken as 0", keyword),
-                       [&] { return in_.place(); });
+      warnings_.repair(
+          fmt::format("{}", c), "a component of 0 or more", "0 is taken",
+          [&] { return in_.place(); }, keyword);
       c = 0;
     }
     return true;
@@ -138,10 +139,13 @@ class MtlReader {
           within(keyword, "an exponent of 0 or more", 0, std::numeric_limits<float>::max());
     } else if (keyword == "Ni") {
       const float index = in_.number("a refractive index");
-      if (index <= 0)
-        warnings_.repair("a refractive index (Ni) that is not above 0 is left out", nullptr);
-      else
+      if (index > 0) {
         entry().numbers["Ni"] = index;
+      } else {
+        warnings_.repair(
+            in_.quoted_word(), "a refractive index above 0", "it is left out",
+            [&] { return in_.place(); }, keyword);
+      }
     } else if (keyword == "illum") {
       const float model = in_.number("an illumination model of 0 to 10");
       const float whole = std::round(model);

@@ -167,7 +167,7 @@ class HeaderReader {
 
 }  // namespace
 
-uint64_t PlyHeader::rows() const {
+uint64_t PlyHeader::row_count() const {
   uint64_t count = 0;
   for (const PlyElement& element : elements)
     if (!element.properties.empty()) count += element.count;

@@ -35,7 +35,7 @@ struct PlyHeader {
   size_t data_begin = 0;     ///< the byte after the header
 
   /// How many rows all elements have that have any properties.
-  uint64_t rows() const;
+  uint64_t row_count() const;
 };
 
 /// Reads the header of a PLY file (Turk 1994). No element's count is more than one above what the

@@ -160,19 +160,20 @@ class PlyMesh {
   }
 
   template <typename Read>
-  void rows(const PlyElement& element, const Read& read) {
+  void for_each_row(const PlyElement& element, const Read& read) {
     for (row_ = 0; row_ < element.count; ++row_) {
       in_.begin_row();
       read();
-      if (in_.has_more_in_row())
-        repair("", in_.shown(0), fmt::format("the end of a row of '{}'", element.name),
-               "what is left of the line is not read");
+      if (in_.has_more_in_row()) {
+        warnings_.repair(in_.shown(0), fmt::format("the end of a row of '{}'", element.name),
+                         "what is left of the line is not read", [&] { return in_.place(); });
+      }
       in_.end_row();
     }
   }
 
   void skip(const PlyElement& element) {
-    rows(element, [&] {
+    for_each_row(element, [&] {
       for (const PlyProperty& property : element.properties) skip(property);
     });
   }
@@ -188,10 +189,10 @@ class PlyMesh {
     if (count >= 0 && count <= static_cast<double>(most) && count == std::floor(count))
       return static_cast<uint64_t>(count);
     const std::string row = fmt::format("a list '{}' of ", list.name), found = in_.shown(count);
-    const std::string expected = fmt::format("a count of at most {}, which the {} can hold", most,
-                                             in_.has_row_ends() ? "line" : "file");
-    if (!in_.has_row_ends()) throw error(row, found, expected);
-    repair(row, found, expected, "the list is left out");
+    if (!in_.has_row_ends())
+      throw error(row, found, fmt::format("a count of at most {}, which the file can hold", most));
+    repair(row, found, "the number of values that follow in the line", "the line is left out");
+    in_.skip_row();
     return 0;
   }
 
@@ -215,7 +216,7 @@ class PlyMesh {
     const bool normals = has[kNx] && has[kNy] && has[kNz];
     const bool uvs = has[kU] && has[kV];
     const bool colors = has[kRed] && has[kGreen] && has[kBlue];
-    rows(element, [&] {
+    for_each_row(element, [&] {
       std::array<float, kSlots> values{};
       values[kAlpha] = 1;
       vertex(element, slots, values);
@@ -289,7 +290,7 @@ class PlyMesh {
     if (list == element.properties.size())
       throw error("", fmt::format("'{}' without vertex_indices", element.name),
                   "a list of that name");
-    rows(element, [&] {
+    for_each_row(element, [&] {
       for (size_t p = 0; p < element.properties.size(); ++p) {
         if (p != list)
           skip(element.properties[p]);

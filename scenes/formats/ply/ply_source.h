@@ -20,11 +20,12 @@ class PlyText {
  public:
   PlyText(std::string_view bytes, const std::string& name, const PlyHeader& header)
       : in_(bytes, name, header.data_begin),
-        has_line_for_each_row_(count_lines() == header.rows()) {}
+        has_line_for_each_row_(count_lines() == header.row_count()) {}
 
   void begin_row() {
     if (has_line_for_each_row_) in_.enter_line();
   }
+  void skip_row() { in_.skip_line(); }
   void end_row() {
     if (has_line_for_each_row_) in_.leave_line();
   }
@@ -75,6 +76,7 @@ class PlyBinary {
       : bytes_(bytes), name_(std::move(name)), at_(begin) {}
 
   void begin_row() {}
+  void skip_row() {}
   void end_row() {}
   bool has_row_ends() const { return false; }
   bool has_more_in_row() const { return false; }

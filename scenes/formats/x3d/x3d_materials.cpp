@@ -84,8 +84,7 @@ void X3dTranslator::set_alpha(const Look& look, v1::Material& material) {
   constexpr std::array<std::string_view, 4> kModes{"AUTO", "OPAQUE", "MASK", "BLEND"};
   constexpr std::array kAlphas{v1::Material::ALPHA_AUTO, v1::Material::ALPHA_OPAQUE,
                                v1::Material::ALPHA_MASK, v1::Material::ALPHA_BLEND};
-  material.set_alpha(kAlphas[values_.choice(*look.appearance, "alphaMode",
-                                            values_.text(*look.appearance, "alphaMode"), kModes)]);
+  material.set_alpha(kAlphas[values_.choice(*look.appearance, "alphaMode", kModes)]);
   if (material.alpha() == v1::Material::ALPHA_MASK)
     material.set_alpha_cutoff(values_.share(*look.appearance, "alphaCutoff", .5));
 }

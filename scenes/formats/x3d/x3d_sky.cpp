@@ -14,9 +14,11 @@ namespace tessera {
 
 namespace {
 
-/// Angles in degrees, increasing and one fewer than the colours.
+/// Angles in degrees, increasing and one fewer than the colours, of those in radians up to `most`,
+/// which `expected` tells.
 std::vector<double> ring_angles(const X3dValues& values, const X3dNode& node, const char* name,
-                                std::vector<double> angles, size_t colors, double most) {
+                                std::vector<double> angles, size_t colors, double most,
+                                const char* expected) {
   if (angles.size() + 1 != colors && !(angles.empty() && colors == 0)) {
     const X3dField* field = node.field(name);
     values.repair(
@@ -25,16 +27,18 @@ std::vector<double> ring_angles(const X3dValues& values, const X3dNode& node, co
         "one angle fewer than colours", "what is left over is left out");
     angles.resize(std::min(angles.size(), colors == 0 ? 0 : colors - 1));
   }
-  double last = 0;
-  for (double& angle : angles) {
-    const double inside = values.clamped_angle(
-        node, name, angle, most > 2 ? "angles of 0 to pi" : "angles of 0 to pi / 2", most);
-    if (degrees_from_radians(inside) < last)
+  std::vector<double> degrees;
+  double before = 0;
+  for (const double angle : angles) {
+    const double inside = values.clamped_angle(node, name, angle, expected, most);
+    if (inside < before)
       values.repair(node, name, "angles that do not fall", "they are raised to the last one");
+    before = std::max(before, inside);
     // Equal angles make a sharp edge.
-    angle = last = std::max(degrees_from_radians(inside), std::nextafter(last, 360));
+    const double last = degrees.empty() ? 0 : degrees.back();
+    degrees.push_back(std::max(degrees_from_radians(inside), std::nextafter(last, 360)));
   }
-  return angles;
+  return degrees;
 }
 
 }  // namespace
@@ -77,10 +81,10 @@ void X3dTranslator::set_sky(const X3dNode& node, v1::Background& background) {
     put(ground[0], background.mutable_gradient()->mutable_ground());
   } else {
     v1::Background::Rings& rings = *background.mutable_rings();
-    sky_angles =
-        ring_angles(values_, node, "skyAngle", std::move(sky_angles), sky.size(), std::numbers::pi);
+    sky_angles = ring_angles(values_, node, "skyAngle", std::move(sky_angles), sky.size(),
+                             std::numbers::pi, "angles of 0 to pi");
     ground_angles = ring_angles(values_, node, "groundAngle", std::move(ground_angles),
-                                ground.size(), std::numbers::pi / 2);
+                                ground.size(), std::numbers::pi / 2, "angles of 0 to pi / 2");
     sky.resize(std::min(sky.size(), sky_angles.size() + 1));
     ground.resize(std::min(ground.size(), ground_angles.size() + 1));
     for (const Color& color : sky) put(color, rings.add_sky());
@@ -96,8 +100,7 @@ void X3dTranslator::set_fog(const X3dNode& node, const v1::Transform& path) {
   if (range == 0) return;
   v1::Fog& fog = *out_.scene.mutable_fog();
   constexpr std::array<std::string_view, 2> kTypes{"LINEAR", "EXPONENTIAL"};
-  if (values_.choice(node, "fogType", values_.text(node, "fogType"), kTypes) == 1)
-    fog.set_kind(v1::Fog::EXPONENTIAL);
+  if (values_.choice(node, "fogType", kTypes) == 1) fog.set_kind(v1::Fog::EXPONENTIAL);
   put(values_.color(node, "color", kWhite), fog.mutable_color());
   fog.set_visibility_range(range);
 }

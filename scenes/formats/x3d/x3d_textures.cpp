@@ -53,8 +53,8 @@ v1::Texture::Image::Wrap wrap_of(const X3dValues& values, const X3dNode& propert
                                                    "CLAMP_TO_EDGE", "CLAMP_TO_BOUNDARY"};
   constexpr std::array kWraps{Image::REPEAT, Image::MIRROR, Image::CLAMP, Image::CLAMP,
                               Image::CLAMP};
-  const std::string mode = values.text(properties, field);
-  return mode.empty() ? otherwise : kWraps[values.choice(properties, field, mode, kModes)];
+  return values.text(properties, field).empty() ? otherwise
+                                                : kWraps[values.choice(properties, field, kModes)];
 }
 
 void add_matrix(const Affine& affine, v1::Transform& out) {
@@ -74,7 +74,7 @@ X3dTranslator::Coordinates X3dTranslator::coordinates_of(const X3dNode& geometry
       "SPHERE", "COORD", "COORD-EYE", "CAMERASPACEPOSITION", "SPHERE-LOCAL", "CAMERASPACENORMAL"};
   constexpr std::array kMeant{sphere,    coord,        coord_eye,
                               coord_eye, sphere_local, camera_space_normal};
-  return kMeant[values.choice(*node, "mode", values.text(*node, "mode"), kModes)];
+  return kMeant[values.choice(*node, "mode", kModes)];
 }
 
 /// The step from what the mapping gives to the coordinate that X3D means comes before all others.
@@ -157,8 +157,7 @@ void X3dTranslator::set_wrapping(const X3dNode& node, v1::Texture::Image& image)
   image.set_wrap_t(wrap_of(values_, *properties, "boundaryModeT", image.wrap_t()));
   constexpr std::array<std::string_view, 5> kFilters{"DEFAULT", "AVG_PIXEL", "FASTEST", "NICEST",
                                                      "NEAREST_PIXEL"};
-  const std::string filter = values_.text(*properties, "magnificationFilter");
-  if (values_.choice(*properties, "magnificationFilter", filter, kFilters) == 4)
+  if (values_.choice(*properties, "magnificationFilter", kFilters) == 4)
     image.set_filter(Image::NEAREST);
 }
 

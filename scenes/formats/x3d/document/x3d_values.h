@@ -55,6 +55,11 @@ class X3dValues {
   /// a warning, none of them.
   size_t choice(const X3dNode& node, std::string_view name, std::string_view given,
                 std::span<const std::string_view> choices) const;
+  /// The same of all of a field's text.
+  size_t choice(const X3dNode& node, std::string_view name,
+                std::span<const std::string_view> choices) const {
+    return choice(node, name, text(node, name), choices);
+  }
   /// A list of strings; in XML, one without quotes is one string.
   std::vector<std::string> strings(const X3dNode& node, std::string_view name) const;
 
@@ -72,7 +77,7 @@ class X3dValues {
     std::vector<int32_t> values;
     std::vector<uint32_t> offsets;
   };
-  /// Not the value of any index, count or pixel.
+  /// Stands for what is no integer, where 0 would be a value: no index or count is this small.
   static constexpr int32_t kNoInteger = std::numeric_limits<int32_t>::min();
   /// `none` stands for what is no integer; the warning says what is `taken`.
   Integers integers(const X3dNode& node, std::string_view name, int32_t none = 0,

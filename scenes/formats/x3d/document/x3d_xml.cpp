@@ -4,6 +4,7 @@
 #include <functional>
 #include <initializer_list>
 #include <pugixml.hpp>
+#include <set>
 
 #include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/formats/x3d/document/x3d_nodes.h"
@@ -63,17 +64,27 @@ class X3dXmlReader {
         tree_.tell_of_second(each.name(), xml.name(), offset(each));
   }
 
+  void tell_of_text(const pugi::xml_node& parent, const pugi::xml_node& child) {
+    if (child.type() != pugi::node_pcdata) return;
+    const size_t at = std::string_view(child.value()).find_first_not_of(" \t\r\n");
+    if (at == std::string_view::npos) return;
+    document_.remarks_.push_back({offset(child) + at, fmt::format("text in {}", parent.name()),
+                                  "attributes and elements", "it is not read"});
+  }
+
   using Names = std::initializer_list<std::string_view>;
   /// Tells of elements that have no meaning in `parent`, or that may stand there only once.
   void tell_of_unread(const pugi::xml_node& parent, Names once, Names often,
                       std::string_view expected) {
+    std::set<std::string_view> seen;
     for (const pugi::xml_node& child : parent.children()) {
-      const bool is_first = parent.child(child.name()) == child;
+      tell_of_text(parent, child);
       const auto is_one_of = [&](Names names) {
         return std::ranges::find(names, child.name()) != names.end();
       };
-      if (child.type() != pugi::node_element || is_one_of(often) || (is_first && is_one_of(once)))
-        continue;
+      if (child.type() != pugi::node_element || is_one_of(often)) continue;
+      const bool is_first = seen.insert(child.name()).second;
+      if (is_first && is_one_of(once)) continue;
       document_.remarks_.push_back(
           {offset(child), fmt::format("{} '{}'", is_first ? "an element" : "another", child.name()),
            std::string(expected), "it is not read"});
@@ -124,11 +135,7 @@ class X3dXmlReader {
 
   void add_children(X3dNode& node, const pugi::xml_node& xml, int depth) {
     for (const pugi::xml_node& child : xml.children()) {
-      if (child.type() == pugi::node_pcdata) {
-        const size_t at = std::string_view(child.value()).find_first_not_of(" \t\r\n");
-        document_.remarks_.push_back({offset(child) + at, fmt::format("text in {}", xml.name()),
-                                      "attributes and elements", "it is not read"});
-      }
+      tell_of_text(xml, child);
       if (child.type() != pugi::node_element) continue;
       const std::string_view name = child.name();
       if (name == "IS")
@@ -140,7 +147,8 @@ class X3dXmlReader {
     }
   }
 
-  static void add_connections(X3dNode& node, const pugi::xml_node& xml) {
+  void add_connections(X3dNode& node, const pugi::xml_node& xml) {
+    tell_of_unread(xml, {}, {"connect"}, "connect in IS");
     for (const pugi::xml_node& connect : xml.children("connect"))
       node.is.push_back(
           {connect.attribute("nodeField").value(), connect.attribute("protoField").value()});
@@ -193,7 +201,9 @@ class X3dXmlReader {
     tell_of_unread(xml, {"ProtoInterface", "ProtoBody"}, {}, "one of each part of ProtoDeclare");
     X3dPrototype made;
     tree_.begin_prototype();
-    add_values(made.interface_node, xml.child("ProtoInterface"), "field", depth);
+    const pugi::xml_node interface = xml.child("ProtoInterface");
+    tell_of_unread(interface, {}, {"field"}, "field in ProtoInterface");
+    add_values(made.interface_node, interface, "field", depth);
     X3dNode holder;
     add_children(holder, xml.child("ProtoBody"), depth);
     tree_.end_prototype();
@@ -207,6 +217,7 @@ class X3dXmlReader {
     tree_.check_depth(offset(xml), depth);
     X3dNode given;
     given.offset = offset(xml);
+    tell_of_unread(xml, {}, {"fieldValue", "IS"}, "fieldValue or IS in ProtoInstance");
     add_values(given, xml, "fieldValue", depth);
     for (const pugi::xml_node& is : xml.children("IS")) add_connections(given, is);
     X3dNode* node = tree_.instantiate(*prototype, given);

@@ -30,7 +30,7 @@ class TextBuilder {
       size_ = 1;
     }
     constexpr std::array<std::string_view, 4> kStyles{"PLAIN", "BOLD", "ITALIC", "BOLDITALIC"};
-    const size_t look = values.choice(*style, "style", values.text(*style, "style"), kStyles);
+    const size_t look = values.choice(*style, "style", kStyles);
     bold_ = look % 2 == 1;
     italic_ = look >= 2;
     for (const char* name : {"horizontal", "leftToRight", "topToBottom"})

@@ -150,7 +150,7 @@ TEST(Gltf, OddCamerasAreMendedOrLeftOut) {
   const LoadedScene mirrored = angled(R"("yfov":-1)");
   EXPECT_NEAR(mirrored.scene.cameras(0).perspective().field_of_view(), portable::degrees(1), 1e-12);
   EXPECT_EQ(only_warning(mirrored),
-            angle + "-1; expected a number above 0 and below pi; 1 is taken");
+            angle + "-1; expected a number above 0 and below pi; it is taken without its sign");
   for (const char* value : {"0", "4", "-4"}) {
     const LoadedScene lost = angled(std::string(R"("yfov":)") + value);
     EXPECT_EQ(lost.scene.cameras_size(), 0);
@@ -170,8 +170,9 @@ TEST(Gltf, OddCamerasAreMendedOrLeftOut) {
   EXPECT_EQ(flat(R"("xmag":2,"ymag":1,"znear":0,"zfar":9)").warnings, std::vector<std::string>{});
   const LoadedScene turned = flat(R"("xmag":-2,"ymag":1)");
   EXPECT_EQ(turned.scene.cameras(0).orthographic().min_x(), -2);
-  EXPECT_EQ(only_warning(turned),
-            "cameras/0/orthographic/xmag: -2; expected a number above 0; 2 is taken");
+  EXPECT_EQ(
+      only_warning(turned),
+      "cameras/0/orthographic/xmag: -2; expected a number above 0; it is taken without its sign");
   const LoadedScene line = flat(R"("xmag":2,"ymag":0)");
   EXPECT_EQ(line.scene.cameras_size(), 0);
   EXPECT_EQ(only_warning(line),

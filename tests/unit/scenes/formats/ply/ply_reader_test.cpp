@@ -294,7 +294,7 @@ TEST(Ply, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1.5 2\n"),
             "t.ply:14:5: '1.5'; expected an index of 0 to 2");
   EXPECT_EQ(error(head + "0 0 0\n1 0 0\n0 1 0\n3 0 1"),
-            "t.ply:14:1: '3'; expected a count of at most 2, which the line can hold");
+            "t.ply:14:1: '3'; expected the number of values that follow in the line");
   EXPECT_EQ(error(head + "0 0 0 1 0 0\n0 1 0 3\n0 1"),
             "t.ply:12:7: '3'; expected a count of at most 2, which the file can hold")
       << "fewer lines than rows";
@@ -319,13 +319,12 @@ TEST(Ply, AValueTooManyOrTooFewCostsItsLineAlone) {
       {"7 7 7", "9 3 0 1 2 3 4",
        ":21:11: '3'; expected the end of a row of 'face'; what is left of the line is not read"},
       {"7 7 7", "9 3 0 1\n",
-       ":21:3: '3'; expected a count of at most 2, which the line can hold; the "
-       "list is left out"},
+       ":21:3: '3'; expected the number of values that follow in the line; the line is left out"},
       {"7 7 7", "9",
-       ":21:2: the line ends here; expected a count of at most 0, which the line can hold; the "
-       "list is left out"},
+       ":21:2: the line ends here; expected the number of values that follow in the line; the line "
+       "is left out"},
       {"7 7 7", "9 -3 0 1 2",
-       ":21:3: '-3'; expected a count of at most 3, which the line can hold; the list is left out"},
+       ":21:3: '-3'; expected the number of values that follow in the line; the line is left out"},
   };
   for (const Case& c : cases) {
     const Mesh mesh = read(head + "0 0 0\n1 0 0\r\n\n1 1 0 \n0 1 0\n" + c.vertex + "\n5 6 7\n" +
