@@ -92,7 +92,11 @@ compile() {
   local targets=()
   if (($#)); then targets=(--target "$@"); fi
   say "Building preset $preset${*:+: $*}"
-  cmake --build --preset "$preset" "${targets[@]}"
+  if cmake --build --preset "$preset" "${targets[@]}"; then return; fi
+  if [[ -e build/$preset/npm_unfinished ]]; then
+    fail "npm could not install the packages of the studio page: is its registry reached? Run again when it is"
+  fi
+  fail "the build failed; the output above says why"
 }
 
 # run_tests PRESET CTEST_OPTION...: runs tests and sums them up; fails where one did.
