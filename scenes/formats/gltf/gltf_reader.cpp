@@ -113,6 +113,15 @@ bool is_version(const std::string& text, double least, double beyond) {
   return problem == std::errc() && stop == end && number >= least && number < beyond;
 }
 
+/// Whether a file shows all of its shapes, where they are, without the extension.
+bool changes_look_alone(std::string_view extension) {
+  constexpr std::array<std::string_view, 8> kBegins{
+      "KHR_materials_", "KHR_texture_", "EXT_texture_",      "KHR_lights_",
+      "EXT_lights_",    "KHR_xmp",      "EXT_mesh_features", "EXT_structural_metadata"};
+  return std::any_of(kBegins.begin(), kBegins.end(),
+                     [&](std::string_view begin) { return extension.starts_with(begin); });
+}
+
 /// Returns the size of a camera's angle or window. A negative one, which would mirror the picture,
 /// loses its sign.
 std::optional<double> size_of(const GltfValue& value, double beyond, std::string_view expected) {
@@ -204,9 +213,13 @@ class GltfReader {
     const GltfValue required = file_.root()["extensionsRequired"];
     const std::vector<std::string> known(kExtensions.begin(), kExtensions.end());
     for (size_t i = 0; i < required.size(); ++i)
-      if (const std::string name = required.at(i).text(""); !name.empty() && !is_read(name))
-        throw required.at(i).error(fmt::format("the file requires extension '{}'", name),
-                                   fmt::format("one that is read{}", suggestion(name, known)));
+      if (const std::string name = required.at(i).text(""); !name.empty() && !is_read(name)) {
+        const std::string found = fmt::format("the file requires extension '{}'", name);
+        if (!changes_look_alone(name))
+          throw required.at(i).error(found,
+                                     fmt::format("one that is read{}", suggestion(name, known)));
+        required.at(i).repair(found, "one that is read", "it is shown without");
+      }
     for (const std::string& name : file_.extension_names())
       if (!is_read(name)) warnings_.add(fmt::format("extension '{}' is not read", name));
   }

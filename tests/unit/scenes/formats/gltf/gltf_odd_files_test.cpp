@@ -77,6 +77,11 @@ TEST(Gltf, VersionsAreReadAsTheOneThatIsKnown) {
   EXPECT_EQ(said(R"("version":"word")"),
             std::vector<std::string>{
                 "t.gltf:1:21: asset/version: 'word'; expected glTF 2.0; that is taken"});
+  EXPECT_EQ(
+      warnings(R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_materials_variants"]})"),
+      std::vector<std::string>{
+          "t.gltf:1:50: extensionsRequired/0: the file requires extension "
+          "'KHR_materials_variants'; expected one that is read; it is shown without"});
   EXPECT_EQ(warnings(R"({"asset":{"version":"2.0"},"extensionsRequired":[5]})"),
             std::vector<std::string>{
                 "t.gltf:1:50: extensionsRequired/0: 5; expected text; it is left out"});
