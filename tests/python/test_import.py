@@ -248,6 +248,14 @@ print(tessera.Array, tessera.program())
     assert told.stdout.strip().endswith(str(PROGRAM))
 
 
+def test_another_python_than_it_is_built_for_is_told(tmp_path):
+    package = copy_package(tmp_path)
+    core, = package.glob("_core.*.so")
+    core.rename(package / "_core.cpython-37m-x86_64-linux-gnu.so")
+    told = run("import tessera", package=package, check=False).stderr.splitlines()[-1]
+    assert "tessera is built for cpython-37m-x86_64-linux-gnu, and this is cpython-3" in told
+
+
 # ---- python -m tessera
 
 def command_line(*arguments, **environment):

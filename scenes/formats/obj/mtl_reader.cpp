@@ -78,6 +78,10 @@ class MtlReader {
     entry_ = {};
   }
 
+  void add_warning(std::string_view what) {
+    warnings_.add(what, [&] { return in_.place(); });
+  }
+
   MtlEntry& entry() {
     if (entry_.name.empty()) throw in_.error(in_.quoted_word(), "newmtl before it");
     return entry_;
@@ -94,7 +98,7 @@ class MtlReader {
     MtlEntry& target = entry();
     if (in_.at_line_end()) throw in_.error("the line ends here", "three colour components");
     if (in_.peek() == 's' || in_.peek() == 'x') {
-      warnings_.add(fmt::format("{} {} is not read", keyword, in_.word()));
+      add_warning(fmt::format("{} {} is not read", keyword, in_.word()));
       return true;
     }
     const float r = in_.number("a colour component");
@@ -129,7 +133,7 @@ class MtlReader {
       MtlEntry& target = entry();
       in_.at_line_end();
       if (in_.peek() == '-' && std::isalpha(static_cast<unsigned char>(in_.peek(1))))
-        warnings_.add(fmt::format("d {} is read as plain d", in_.word()));
+        add_warning(fmt::format("d {} is read as plain d", in_.word()));
       target.numbers["d"] = share(keyword);
     } else if (keyword == "Tr" || keyword == "Pr" || keyword == "Pm" || keyword == "Pc" ||
                keyword == "Pcr") {
@@ -152,8 +156,7 @@ class MtlReader {
       if (!(model >= 0 && model <= 10) || std::abs(model - whole) > kMtlRounding)
         throw in_.error(in_.quoted_word(), "an illumination model of 0 to 10");
       if (whole == 10)
-        warnings_.add("illum 10: shadows that fall on something invisible are not read",
-                      [&] { return in_.place(); });
+        add_warning("illum 10: shadows that fall on something invisible are not read");
       entry().illumination = static_cast<int>(whole);
     } else {
       return false;
@@ -169,7 +172,7 @@ class MtlReader {
     if (statement.empty()) return false;
     MtlEntry& target = entry();
     if (statement != "norm" && std::find(kRead.begin(), kRead.end(), statement) == kRead.end()) {
-      warnings_.add(fmt::format("texture ({}) is not read", keyword));
+      add_warning(fmt::format("texture ({}) is not read", keyword));
       return true;
     }
     MtlMap read = read_mtl_map(in_, keyword, warnings_);
@@ -184,12 +187,12 @@ class MtlReader {
   void skip(const std::string& keyword) {
     constexpr std::array<std::string_view, 4> kPhysical{"Ps", "aniso", "anisor", "sharpness"};
     if (std::find(kPhysical.begin(), kPhysical.end(), keyword) != kPhysical.end())
-      warnings_.add(fmt::format("parameter '{}' is not read", keyword));
+      add_warning(fmt::format("parameter '{}' is not read", keyword));
     else if (std::any_of(keyword.begin(), keyword.end(),
                          [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
       throw in_.error("binary data", "the text of an MTL file");
     else
-      warnings_.add(fmt::format("unknown statement {} is left out", in_.quoted_word()));
+      add_warning(fmt::format("unknown statement {} is left out", in_.quoted_word()));
   }
 
   LineReader& in_;

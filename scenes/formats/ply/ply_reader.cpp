@@ -114,7 +114,8 @@ class PlyMesh {
       });
       if (!is_whole) break;
     }
-    if (is_whole && in_.has_more()) warnings_.add("what follows the last element is not read");
+    if (is_whole && in_.has_more())
+      warnings_.add("what follows the last element is not read" + in_.announced());
     for (const auto& [element, begin] : before_vertices) {
       in_ = begin;
       attempt([&, from = element] { faces(*from); });
@@ -331,7 +332,10 @@ class PlyMesh {
       is_whole &= corner(list, in_.value(list.type), "the face is left out");
     if (!is_whole) return;
     if (count == 3) return add(polygon_[0], polygon_[1], polygon_[2]);
-    if (count < 3) return warnings_.add("faces with fewer than 3 corners are left out");
+    if (count < 3) {
+      return warnings_.add("faces with fewer than 3 corners are left out",
+                           [&] { return in_.place(); });
+    }
     points_.clear();
     for (const uint32_t v : polygon_) {
       const float* const p = &mesh_.positions[size_t{v} * 3];

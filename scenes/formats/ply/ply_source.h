@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/plural.h"
 #include "scenes/formats/ply/ply_header.h"
 #include "scenes/import/token_reader.h"
 
@@ -20,7 +21,9 @@ class PlyText {
  public:
   PlyText(std::string_view bytes, const std::string& name, const PlyHeader& header)
       : in_(bytes, name, header.data_begin),
-        has_line_for_each_row_(count_lines() == header.row_count()) {}
+        lines_(count_lines()),
+        rows_(header.row_count()),
+        has_line_for_each_row_(lines_ == rows_) {}
 
   void begin_row() {
     if (has_line_for_each_row_) in_.enter_line();
@@ -37,7 +40,7 @@ class PlyText {
   double value(PlyType /*type*/) {
     const double value = in_.number();
     if (in_.is_past_end() && !has_line_for_each_row_)
-      throw in_.error(in_.quoted_word(), "a number");
+      throw in_.error(in_.quoted_word(), "a number" + announced());
     return value;
   }
   void skip(PlyType type) { value(type); }
@@ -45,6 +48,12 @@ class PlyText {
   uint64_t most_values(PlyType /*type*/) const { return (in_.remaining() + 1) / 2; }
   /// Whether anything is left that was not read after the last row.
   bool has_more() const { return !TokenReader(in_).word().empty(); }
+  /// What may be wrong where the lines are not those that the header announces.
+  std::string announced() const {
+    if (has_line_for_each_row_) return "";
+    return fmt::format("; the header announces {} rows than the {} that follow it",
+                       rows_ > lines_ ? "more" : "fewer", counted(lines_, "line"));
+  }
   /// What messages say of what was `found` in a row.
   std::string told(std::string_view /*row*/, std::string_view found) const {
     return std::string(found);
@@ -65,6 +74,7 @@ class PlyText {
   }
 
   TokenReader in_;
+  uint64_t lines_, rows_;  ///< that follow the header, and that it announces
   bool has_line_for_each_row_;
 };
 
@@ -84,6 +94,7 @@ class PlyBinary {
   void skip(PlyType type) { any_value(type); }
   uint64_t most_values(PlyType type) const { return (bytes_.size() - at_) / ply_size(type); }
   bool has_more() const { return at_ < bytes_.size(); }
+  static std::string announced() { return ""; }
   std::string told(std::string_view row, std::string_view found) const {
     return fmt::format("{}{} (before byte {})", row, found, at_);
   }
