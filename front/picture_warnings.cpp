@@ -11,7 +11,9 @@
 #include "job/scene_motion.h"
 #include "proto/wire/printable.h"
 #include "renderer/image/image_file.h"
+#include "renderer/math/transform.h"
 #include "renderer/scene/read_settings.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 namespace {
@@ -106,6 +108,20 @@ std::string numbers_of(const v1::Color& color) {
   return fmt::format("({:g}, {:g}, {:g})", color.r(), color.g(), color.b());
 }
 
+/// Nodes whose transform leaves nothing of what they hold.
+void add_flat_nodes(const v1::Scene& scene, std::vector<std::string>& warnings) {
+  OddNumbers flat;
+  any_message(scene, [&flat](const pb::Message& message) {
+    const auto* node = dynamic_cast<const v1::Node*>(&message);
+    if (node && !node->hidden() && node->keys().empty() && node->transform().steps_size() > 0 &&
+        !is_invertible(to_affine(node->transform()))) {
+      flat.add(fmt::format("{}: its transform makes it flat", named("node", node->name())));
+    }
+    return false;
+  });
+  flat.tell("expected one that keeps three dimensions, so that something is seen", warnings);
+}
+
 /// Surfaces that send back more light than they get, and lights that take some away.
 void add_odd_numbers(const v1::Scene& scene, std::vector<std::string>& warnings) {
   OddNumbers reflected, taken;
@@ -151,6 +167,7 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
   if (is_all_black(options, loaded.scene)) {
     warnings.push_back("the scene has no light, emission or background: the picture will be black");
   }
+  add_flat_nodes(loaded.scene, warnings);
   if (shows_light(kind_of(options, loaded.scene))) add_odd_numbers(loaded.scene, warnings);
   const bool several = options.frames && options.frames->size() > 1;
   if (several && !loaded.depends_on_frame && !moves(loaded.scene)) {

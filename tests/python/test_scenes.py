@@ -409,6 +409,17 @@ def test_numbers_that_make_or_take_light_are_told_by_both_front_ends(tessera, tm
             ts.Sphere(material=ts.Classic(diffuse=1, emission=40))]).render(workers=0)
 
 
+def test_nodes_that_their_transform_makes_flat_are_told(tessera, tmp_path):
+    node = 'nodes { name: "%s" %s shape { sphere { radius: 1 } } %s }\n'
+    flat = "transform { steps { scale { x: 1 y: %s z: 1 } } }"
+    (tmp_path / "flat.tessera").write_text(
+        "background { solid { r: 1 } }\n" + node % ("leaf", flat % 0, "") + node % ("ball", flat % -.1, "")
+        + node % ("away", flat % 0, "hidden: true") + node % ("paper", flat % 0, ""))
+    assert json.loads(tessera("info", tmp_path / "flat.tessera", "--json"))["warnings"] == [
+        "node 'leaf': its transform makes it flat; expected one that keeps three dimensions, so that something "
+        "is seen; 1 more like it"]
+
+
 def test_what_is_given_to_a_scene_is_not_changed():
     settings = ts.Settings(width=10, output=ts.Output(gamma=2))
     scene = ts.Scene(settings=settings, width=99, gamma=1.5, frames=(1, 2))

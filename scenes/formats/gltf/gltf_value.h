@@ -62,8 +62,8 @@ class GltfValue {
                               std::string_view taken = "it is left out") const;
   std::string text(const std::string& without) const;
   bool flag(bool without) const;
-  /// As many numbers in [least, most] as `without` has, and each of those stands for one that is not
-  /// there; the first ones of more.
+  /// As many numbers in [least, most] as `without` has, and each of those stands for one that is
+  /// not there; the first ones of more.
   std::vector<double> numbers(std::vector<double> without, double least = -kMost,
                               double most = kMost) const;
 

@@ -165,9 +165,10 @@ TEST(Ply, ShowsThePictureThatACommentNames) {
 }
 
 TEST(Ply, RefusesCountsThatTheFileHasNoRoomFor) {
-  EXPECT_EQ(error(header("ascii", "element vertex 4000000000\n" + kXyz) + kSquare),
-            "t.ply:13:1: the file ends here; expected a number; the header announces more rows than the "
-            "4 lines that follow it");
+  EXPECT_EQ(
+      error(header("ascii", "element vertex 4000000000\n" + kXyz) + kSquare),
+      "t.ply:13:1: the file ends here; expected a number; the header announces more rows than the "
+      "4 lines that follow it");
   EXPECT_EQ(
       error(header("binary_little_endian", "element vertex 4000000000\n" + kXyz) + "12345678"),
       "t.ply: the file ends here (before byte 153); expected the data that its header announces");
@@ -223,7 +224,9 @@ TEST(Ply, OnePartThatCannotBeReadDoesNotCostTheFile) {
       {"0 x 0", "3 1 2 3", "",
        ":14:3: 'x'; expected a finite number that single precision can hold; the faces there are "
        "left out"},
-      {"0 1 0", "3 1 1 1", "3 1 2 3", ": what follows the last element is not read; the header announces fewer rows than the 7 lines "
+      {"0 1 0", "3 1 1 1", "3 1 2 3",
+       ": what follows the last element is not read; the header announces fewer rows than the 7 "
+       "lines "
        "that follow it"},
   };
   for (const Case& c : cases) {
