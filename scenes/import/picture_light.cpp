@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kLargestHalf = 65504;
 
-float mended(float number) { return std::isnan(number) ? 0 : std::copysign(kLargestHalf, number); }
+float mended(float number) { return number > 0 ? kLargestHalf : 0; }
 
 /// Calls `odd(i, value)` for each number that is not finite, which takes the place of the number.
 template <typename Odd>

@@ -18,8 +18,8 @@ void set_integer_encoding(v1::Texture::Image::Encoding encoding, v1::Texture::Im
 /// bits, and of integers with associated alpha. Codes of 8 bits stay as they are.
 void decode_picture(DecodedTexture& picture, SampleEncoding encoding);
 
-/// Makes every number of a picture finite, as light has to be: an infinite one becomes the largest
-/// that half floats hold, 65504, with its sign, and what is no number becomes 0. Returns what to
+/// Makes every number of a picture finite, as light has to be: infinity becomes the largest that
+/// half floats hold, 65504; what is no number, and less than any light, becomes 0. Returns what to
 /// warn of, with the first pixel; empty where there was nothing.
 std::string mend_numbers(DecodedTexture& picture);
 

@@ -62,26 +62,10 @@ size_t slot_of(std::string_view name) {
   return kNone;
 }
 
-/// What stands for all of a channel.
+/// What stands for all of a channel. Programs that write colours as wider or signed integers mean
+/// codes of 8 bits all the same.
 double all_of_channel(PlyType type) {
-  switch (type) {
-    case PlyType::int8:
-      return 127;
-    case PlyType::uint8:
-      return 255;
-    case PlyType::int16:
-      return 32767;
-    case PlyType::uint16:
-      return 65535;
-    case PlyType::int32:
-      return 2147483647;
-    case PlyType::uint32:
-      return 4294967295.0;
-    case PlyType::float32:
-    case PlyType::float64:
-      break;
-  }
-  return 1;
+  return type >= PlyType::float32 ? 1 : type == PlyType::uint16 ? 65535 : 255;
 }
 
 float color_value(double share, PlyType type, bool is_alpha) {

@@ -80,15 +80,17 @@ void X3dValues::repair(const X3dNode& node, std::string_view name, size_t offset
 
 template <typename Number>
 std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name, size_t width,
-                                    std::string_view taken) const {
+                                    std::string_view taken, bool clamps) const {
   std::vector<Number> values;
   const X3dField* field = read_field(node, name);
   if (!field) return values;
   for_each_word(field->text, [&](std::string_view word, size_t at) {
     Number value = 0;
-    if (const char* const rule = read_x3d_number(word, value))
+    if (const char* const rule = read_x3d_number(word, value)) {
+      if (!clamps) value = std::numeric_limits<Number>::quiet_NaN();
       repair(node, name, field->offset + at, shown(word), rule,
              std::isnan(value) ? taken : fmt::format("{:.6g} is taken", value));
+    }
     values.push_back(value);
   });
   if (values.size() % width != 0) {
@@ -102,7 +104,7 @@ std::vector<Number> X3dValues::list(const X3dNode& node, std::string_view name, 
 template <typename Number>
 std::vector<Number> X3dValues::finite_list(const X3dNode& node, std::string_view name,
                                            size_t width) const {
-  std::vector<Number> values = list<Number>(node, name, width, "0 is taken");
+  std::vector<Number> values = list<Number>(node, name, width, "0 is taken", true);
   for (Number& value : values)
     if (std::isnan(value)) value = 0;
   return values;
@@ -126,7 +128,7 @@ bool X3dValues::boolean(const X3dNode& node, std::string_view name, bool otherwi
 std::vector<double> X3dValues::exactly(const X3dNode& node, std::string_view name,
                                        size_t count) const {
   constexpr std::string_view kLeftOut = "the field is left out";
-  std::vector<double> values = list<double>(node, name, 1, kLeftOut);
+  std::vector<double> values = list<double>(node, name, 1, kLeftOut, true);
   const X3dField* field = node.field(name);
   if (field && values.size() != count)
     repair(node, name, field->offset, counted(values.size(), "number"), fmt::format("{}", count),
@@ -288,7 +290,7 @@ std::vector<float> X3dValues::floats(const X3dNode& node, std::string_view name,
 }
 
 std::vector<float> X3dValues::points(const X3dNode& node) const {
-  return list<float>(node, "point", 3, "what is there is left out");
+  return list<float>(node, "point", 3, "what is there is left out", false);
 }
 
 X3dValues::Integers X3dValues::integers(const X3dNode& node, std::string_view name, int32_t none,

@@ -115,10 +115,11 @@ class X3dValues {
   static constexpr size_t kMaxReadBytes = size_t{256} << 20, kMaxReadTimes = 16;
 
  private:
-  /// NaN for what is no finite number, with a warning that says what is `taken`.
+  /// NaN for what is no finite number, with a warning that says what is `taken`; the nearest one in
+  /// the range of single precision for one beyond it, or NaN too if not `clamps`.
   template <typename Number>
   std::vector<Number> list(const X3dNode& node, std::string_view name, size_t width,
-                           std::string_view taken) const;
+                           std::string_view taken, bool clamps) const;
   template <typename Number>
   std::vector<Number> finite_list(const X3dNode& node, std::string_view name, size_t width) const;
   /// The field, whose text is now read once more.

@@ -78,8 +78,8 @@ TEST(Mtl, NamesWhatItDoesNotRead) {
   EXPECT_EQ(
       warnings.list("t.mtl"),
       (std::vector<std::string>{
-          "t.mtl: texture (refl) is not read", "t.mtl: parameter 'Ps' is not read",
-          "t.mtl: unknown statement 'foo' is left out", "t.mtl: option -t of map_Ka is not read",
+          "t.mtl:2:1: texture (refl) is not read", "t.mtl:3:1: parameter 'Ps' is not read",
+          "t.mtl:4:1: unknown statement 'foo' is left out", "t.mtl: option -t of map_Ka is not read",
           "t.mtl: material 'a b' comes twice; the first one is taken"}));
 }
 
@@ -238,7 +238,7 @@ TEST(Mtl, WhatIsNotReadOfAStatementIsTold) {
   };
   using Told = std::vector<std::string>;
   EXPECT_FLOAT_EQ(classic("d -halo .25\n").transparency().value(), .75f);
-  EXPECT_EQ(told("d -halo .25\n"), Told{"t.mtl: d -halo is read as plain d"});
+  EXPECT_EQ(told("d -halo .25\n"), Told{"t.mtl:2:3: d -halo is read as plain d"});
   EXPECT_FLOAT_EQ(classic("d -1\n").transparency().value(), 1);
   EXPECT_EQ(told("d -1\n"), Told{"t.mtl:2:3: d: '-1'; expected a share of 0 to 1; 0 is taken"});
   EXPECT_EQ(told("illum 10\n"),

@@ -353,12 +353,15 @@ TEST(Ply, ColoursOutsideTheirRangeAreTold) {
   for (const auto& [type, values, expected, taken] :
        std::vector<std::array<std::string, 4>>{{"float", "0 -.5 1", "-.5", "1"},
                                                {"float", "0 1.5 1", "1.5", "1"},
-                                               {"int", "0 -7 1", "-7", "2147483647"},
+                                               {"int", "0 -7 1", "-7", "255"},
+                                               {"short", "0 300 1", "300", "255"},
                                                {"uchar", "0 256 1", "256", "255"}}) {
     const Mesh mesh = read(header("ascii", "element vertex 3\n" + kXyz + "property " + type +
                                                " red\nproperty " + type + " green\nproperty " +
                                                type + " blue\nelement face 1\n" + kFace) +
                            "0 0 0 0 0 0\n1 0 0 0 0 0\n0 1 0 " + values + "\n3 0 1 2\n");
+    const float one = type == "float" ? 1 : 1.f / 255 / 12.92f;
+    EXPECT_FLOAT_EQ(mesh.colors.at(10), one) << "codes of 8 bits, whatever integer holds them";
     const bool is_below = expected[0] == '-';
     EXPECT_EQ(mesh.colors.at(9), is_below ? 0 : 1);
     EXPECT_EQ(mesh.warnings, std::vector<std::string>{fmt::format(

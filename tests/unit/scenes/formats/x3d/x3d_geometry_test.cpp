@@ -337,10 +337,10 @@ TEST(X3dGeometry, NumbersOutOfRangeCostNoMoreThanTheirFaces) {
             2,
             {"2:75: height of ElevationGrid: '1e999'" + range + "3.40282e+38 is taken",
              "2:95: creaseAngle of ElevationGrid: '1e300'" + range + "3.40282e+38 is taken"}},
-           {"IndexedFaceSet { coordIndex [ 0 1 2 ] coord Coordinate { point [ 0 0 0 1 0 0 0 1e300 "
-            "0 ] } }",
+           {"IndexedFaceSet { coordIndex [ 0 1 2 -1 0 1 3 ] coord Coordinate { point [ 0 0 0 1 0 0 "
+            "0 1e300 0 0 1 0 ] } }",
             1,
-            {"2:97: point of Coordinate: '1e300'" + range + "3.40282e+38 is taken"}},
+            {"2:106: point of Coordinate: '1e300'" + range + "what is there is left out"}},
            {"Extrusion { orientation 0 1 0 1e300 }",
             12,
             {"2:48: orientation of Extrusion: '1e300'" + range + "3.40282e+38 is taken"}},
