@@ -14,7 +14,7 @@ import { noteCaret, revealCursor } from "./reveal.js";
 import * as state from "./state.js";
 import { showScene } from "./view/scenes.js";
 
-export { connectionLost, flush, greeting, isUntouched, receiveChange, receiveEdited, reopen, settle } from "./exchange.js";
+export { connectionLost, editRefused, flush, greeting, isUntouched, receiveChange, receiveEdited, reopen, settle } from "./exchange.js";
 export { noteCaret, reveal, revealPending, setScroll } from "./reveal.js";
 export { closeWhenSaved, keepMine, loadTheirs, postponeDraft, receiveDisk, receiveDraft, receiveSaved, recover, save } from "./saving.js";
 
@@ -34,6 +34,8 @@ export interface OpenDocument {
   disk: "same" | "changed" | "deleted";
   diskText?: string;
   draft?: Draft;
+  /** The text whose last change the program has refused. */
+  refusedText?: Text;
   /** Whether the next save goes over what another program wrote. */
   force: boolean;
   /** Whether the text of the disk is taken whatever was typed. */

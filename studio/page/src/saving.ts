@@ -6,7 +6,7 @@ import { differenceOf, textOf } from "./core/document_sync.js";
 import type { ToPage } from "./core/protocol.js";
 import * as documents from "./documents.js";
 import type { OpenDocument } from "./documents.js";
-import { whenSettled } from "./exchange.js";
+import { isRefused, whenSettled } from "./exchange.js";
 import * as program from "./program.js";
 import * as state from "./state.js";
 import { seeAlike } from "./view/scenes.js";
@@ -19,6 +19,10 @@ export function save(file: string, as?: string): void {
 function saveNow(file: string, as?: string): void {
   documents.flush();
   const document = documents.find(file);
+  if (document && isRefused(document)) {
+    state.notify(`${file} is not saved: the program has refused its last change; undo that first.`, "error");
+    return;
+  }
   const force = document?.force && as === undefined;
   if (!program.send("save", { file, ...(as === undefined ? {} : { as }), ...(force ? { force } : {}) })) {
     state.notify("Not saved: there is no connection to the program. The text is kept here.", "error");
