@@ -13,7 +13,9 @@ import { seeAlike } from "./view/scenes.js";
 
 /** Saves a file, under another name where one is given. */
 export function save(file: string, as?: string): void {
-  whenSettled(file, () => saveNow(file, as));
+  if (as === undefined && documents.find(file)?.disk === "changed") {
+    state.notify(`${file} was changed on the disk: choose above its text.`, "error");
+  } else whenSettled(file, () => saveNow(file, as));
 }
 
 function saveNow(file: string, as?: string): void {
@@ -56,6 +58,8 @@ export function receiveDisk(message: ToPage["disk"]): void {
   const document = documents.find(message.file);
   if (!document) return;
   document.disk = message.state;
+  // What was chosen was chosen of what the disk had then.
+  document.force = false;
   document.diskText = message.text;
   const follows = !document.dirty || document.reloading;
   if (message.state === "changed" && message.text !== undefined && follows && !document.readOnly) takeDiskText(document);

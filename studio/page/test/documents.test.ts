@@ -80,3 +80,18 @@ test("a text does not grow beyond what the program takes", () => {
   assert.ok(/101 characters; expected at most 100/.test(notices()[0]!));
   assert.equal(editor.update({ changes: { from: 0, insert: "x".repeat(96) } }).docChanged, true);
 });
+
+test("who keeps the own text keeps it over what the disk had then, and over no later change", () => {
+  begin();
+  type("mine ");
+  hear({ disk: { file: FILE, state: "changed", text: "theirs" } });
+  documents.save(FILE);
+  assert.deepEqual(sent("save"), []);
+  documents.keepMine(FILE);
+  hear({ disk: { file: FILE, state: "changed", text: "later" } });
+  documents.save(FILE);
+  assert.deepEqual(sent("save"), [], "it is asked again");
+  documents.keepMine(FILE);
+  documents.save(FILE);
+  assert.deepEqual(sent("save"), [{ file: FILE, force: true }]);
+});
