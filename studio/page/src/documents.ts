@@ -16,7 +16,7 @@ import { showScene } from "./view/scenes.js";
 
 export { connectionLost, editRefused, flush, greeting, isUntouched, receiveChange, receiveEdited, reopen, settle } from "./exchange.js";
 export { noteCaret, reveal, revealPending, setScroll } from "./reveal.js";
-export { closeWhenSaved, keepMine, loadTheirs, postponeDraft, receiveDisk, receiveDraft, receiveSaved, recover, save } from "./saving.js";
+export { keepMine, loadTheirs, postponeDraft, receiveDisk, receiveDraft, receiveSaved, recover, save, saveRefused } from "./saving.js";
 
 export interface OpenDocument {
   file: string;
@@ -38,6 +38,8 @@ export interface OpenDocument {
   refusedText?: Text;
   /** Whether the next save goes over what another program wrote. */
   force: boolean;
+  /** Whether the file is closed once the save that is under way has succeeded. */
+  closesOnceSaved: boolean;
   /** Whether the text of the disk is taken whatever was typed. */
   reloading: boolean;
 }
@@ -185,6 +187,7 @@ export function receive(message: ProgramDocument): void {
     disk: "same",
     draft: message.draft,
     force: false,
+    closesOnceSaved: false,
     reloading: false,
   };
   documents.value = [...documents.peek(), document];

@@ -62,7 +62,10 @@ const waiting = new Set<string>();
 
 export function connectionLost(): void {
   forgetEdits();
-  for (const each of documents.documents.peek()) waiting.add(each.file);
+  for (const each of documents.documents.peek()) {
+    waiting.add(each.file);
+    each.closesOnceSaved = false;
+  }
 }
 
 /** The program does not take what was typed: it is not sent again before the text is another one. */

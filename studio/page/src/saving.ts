@@ -11,14 +11,15 @@ import * as program from "./program.js";
 import * as state from "./state.js";
 import { seeAlike } from "./view/scenes.js";
 
-/** Saves a file, under another name where one is given. */
-export function save(file: string, as?: string): void {
+/** Saves a file, under another name where one is given. `closes`: it is closed once that is done. */
+export function save(file: string, as?: string, closes = false): void {
+  saveRefused(file);
   if (as === undefined && documents.find(file)?.disk === "changed") {
     state.notify(`${file} was changed on the disk: choose above its text.`, "error");
-  } else whenSettled(file, () => saveNow(file, as));
+  } else whenSettled(file, () => saveNow(file, as, closes));
 }
 
-function saveNow(file: string, as?: string): void {
+function saveNow(file: string, as: string | undefined, closes: boolean): void {
   documents.flush();
   const document = documents.find(file);
   if (document && isRefused(document)) {
@@ -28,7 +29,13 @@ function saveNow(file: string, as?: string): void {
   const force = document?.force && as === undefined;
   if (!program.send("save", { file, ...(as === undefined ? {} : { as }), ...(force ? { force } : {}) })) {
     state.notify("Not saved: there is no connection to the program. The text is kept here.", "error");
-  }
+  } else if (document) document.closesOnceSaved = closes;
+}
+
+/** A file that is not saved stays open. */
+export function saveRefused(file: string): void {
+  const document = documents.find(file);
+  if (document) document.closesOnceSaved = false;
 }
 
 export function receiveSaved(message: ToPage["saved"]): void {
@@ -50,7 +57,9 @@ export function receiveSaved(message: ToPage["saved"]): void {
   document.dirty = documents.isDirty(document);
   if (wasDirty) state.notify(`Saved ${message.file}`);
   documents.touched();
-  if (closingWhenSaved.delete(message.file) && !document.dirty) documents.close(message.file);
+  const { closesOnceSaved } = document;
+  document.closesOnceSaved = false;
+  if (closesOnceSaved && !document.dirty) documents.close(message.file);
 }
 
 /** What happened to the file: a text that has no changes of its own follows it. */
@@ -120,13 +129,6 @@ export function receiveDraft({ file, ...draft }: ToPage["draft"]): void {
   if (!document) return;
   document.draft = draft;
   documents.touched();
-}
-
-/** Files that are closed once the program has saved them. */
-const closingWhenSaved = new Set<string>();
-
-export function closeWhenSaved(file: string): void {
-  closingWhenSaved.add(file);
 }
 
 /** Keeps the draft for another time: neither taken nor thrown away. */

@@ -95,3 +95,19 @@ test("who keeps the own text keeps it over what the disk had then, and over no l
   documents.save(FILE);
   assert.deepEqual(sent("save"), [{ file: FILE, force: true }]);
 });
+
+test("a file that was to be closed once it is saved stays open where that save was refused", () => {
+  begin();
+  type("mine ");
+  sent("edit");
+  documents.save(FILE, undefined, true);
+  hear({ refused: { request: "save", file: FILE, why: "the disk is full" } });
+  documents.save(FILE);
+  hear({ saved: { file: FILE, version: 2, hash: "" } });
+  assert.ok(shown());
+  type("more ");
+  sent("edit");
+  documents.save(FILE, undefined, true);
+  hear({ saved: { file: FILE, version: 3, hash: "" } });
+  assert.equal(shown(), undefined);
+});
