@@ -41,7 +41,8 @@ void OpenDocuments::begin_save(ClientId client, const page::Save& save, OpenDocu
                 .as = save.as,
                 .document = open.document,
                 .drafts = open.recovered};
-  if (!save.force && save.as.empty()) {
+  // Whoever forces it means what was told of the disk last, and no later change.
+  if (save.as.empty()) {
     task.is_new = open.state == FileState::deleted;
     if (!task.is_new) task.expected = open.on_disk;
   }
@@ -70,7 +71,12 @@ void OpenDocuments::take(const FileSaved& saved) {
 void OpenDocuments::note_saved(const FileSaved& saved) {
   const auto at = open_.find(saved.file);
   if (saved.result.state != FileState::same) {
-    if (at != open_.end()) at->second.state = saved.result.state;
+    if (at != open_.end()) {
+      at->second.state = saved.result.state;
+      // The page is told at once what its text would go over.
+      if (saved.result.state == FileState::changed)
+        read_again(saved.file, at->second, at->second.on_disk);
+    }
     orders_.push_back(page_answer(saved.client, "disk",
                                   {{"file", saved.file}, {"state", name_of(saved.result.state)}}));
     return refuse(saved.client, "save", saved.file, why_not_saved(saved.result.state));

@@ -13,6 +13,7 @@
 #include "studio/open_documents.h"
 #include "studio/scene_extent.h"
 #include "studio/shell_word.h"
+#include "web/web_socket.h"
 
 namespace tessera {
 
@@ -81,6 +82,7 @@ Json choices_json() {
 
 Json limits_json() {
   Json most{{"text", Document::kMostBytes},
+            {"message", WebSocketLimits().message_bytes},
             {"files", OpenDocuments::kMostOpen},
             {"nice", StudioSettings::kMostNice},
             {"side", kMaxFrameSide},

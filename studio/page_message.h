@@ -53,7 +53,7 @@ struct Edit {
 struct Save {
   std::string file;
   std::string as;      ///< another name, at which nothing may be yet; empty: its own
-  bool force = false;  ///< also over what another program wrote meanwhile
+  bool force = false;  ///< also over what was told last of the disk
   friend bool operator==(const Save&, const Save&) = default;
 };
 struct Recover {

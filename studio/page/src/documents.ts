@@ -14,9 +14,9 @@ import { noteCaret, revealCursor } from "./reveal.js";
 import * as state from "./state.js";
 import { showScene } from "./view/scenes.js";
 
-export { connectionLost, flush, greeting, isUntouched, receiveChange, receiveEdited, reopen, settle } from "./exchange.js";
+export { connectionLost, editRefused, flush, greeting, isUntouched, receiveChange, receiveEdited, reopen, settle } from "./exchange.js";
 export { noteCaret, reveal, revealPending, setScroll } from "./reveal.js";
-export { closeWhenSaved, keepMine, loadTheirs, postponeDraft, receiveDisk, receiveDraft, receiveSaved, recover, save } from "./saving.js";
+export { keepMine, loadTheirs, postponeDraft, receiveDisk, receiveDraft, receiveSaved, recover, save, saveRefused } from "./saving.js";
 
 export interface OpenDocument {
   file: string;
@@ -34,8 +34,12 @@ export interface OpenDocument {
   disk: "same" | "changed" | "deleted";
   diskText?: string;
   draft?: Draft;
+  /** The text whose last change the program has refused. */
+  refusedText?: Text;
   /** Whether the next save goes over what another program wrote. */
   force: boolean;
+  /** Whether the file is closed once the save that is under way has succeeded. */
+  closesOnceSaved: boolean;
   /** Whether the text of the disk is taken whatever was typed. */
   reloading: boolean;
 }
@@ -183,6 +187,7 @@ export function receive(message: ProgramDocument): void {
     disk: "same",
     draft: message.draft,
     force: false,
+    closesOnceSaved: false,
     reloading: false,
   };
   documents.value = [...documents.peek(), document];

@@ -3,7 +3,7 @@
 import { isolateHistory } from "@codemirror/commands";
 import { Transaction, type Text } from "@codemirror/state";
 import { changeSetOf } from "./core/document_sync.js";
-import type { ProgramDocument, ToPage, ToProgram } from "./core/protocol.js";
+import { encode, type ProgramDocument, type ToPage, type ToProgram } from "./core/protocol.js";
 import { sha256 } from "./core/sha256.js";
 import * as documents from "./documents.js";
 import type { OpenDocument } from "./documents.js";
@@ -62,7 +62,29 @@ const waiting = new Set<string>();
 
 export function connectionLost(): void {
   forgetEdits();
-  for (const each of documents.documents.peek()) waiting.add(each.file);
+  for (const each of documents.documents.peek()) {
+    waiting.add(each.file);
+    each.closesOnceSaved = false;
+  }
+}
+
+/** The program does not take what was typed: it is not sent again before the text is another one. */
+export function editRefused(file: string): void {
+  const document = documents.find(file);
+  if (document) document.refusedText = documents.stateOf(document).doc;
+}
+
+/** Whether the program takes a message as large as that; one that is larger would end the connection. */
+function fits(message: ToProgram["edit"]): boolean {
+  if (new TextEncoder().encode(encode("edit", message)).length <= state.mostOf("message")) return true;
+  state.notify(`${message.file}: the last change is too large to be sent; undo it, or make it in smaller steps.`, "error");
+  editRefused(message.file);
+  return false;
+}
+
+/** Whether the program has refused the text as it is now. */
+export function isRefused(document: OpenDocument): boolean {
+  return document.refusedText === documents.stateOf(document).doc;
 }
 
 export function settle(file: string): void {
@@ -131,8 +153,8 @@ export function scheduleFlush(): void {
 export function flush(): void {
   if (!program.isConnected()) return;
   for (const document of documents.documents.peek()) {
-    if (waiting.has(document.file) || document.readOnly) continue;
-    const edit = document.sync.take();
+    if (waiting.has(document.file) || document.readOnly || isRefused(document)) continue;
+    const edit = document.sync.take((due) => fits({ file: document.file, ...due }));
     if (!edit) continue;
     program.send("edit", { file: document.file, ...edit });
     editWasSent(document.file, document.sync.sentVersion);

@@ -144,6 +144,8 @@ export const handlers: ProgramEvents["handlers"] = {
   },
   refused(message) {
     if (message.request === "open" && message.file !== undefined) documents.openRefused(message.file);
+    if (message.request === "edit" && message.file !== undefined) documents.editRefused(message.file);
+    if (message.request === "save" && message.file !== undefined) documents.saveRefused(message.file);
     if (message.upload !== undefined) return uploads.failed(message.upload, message.why);
     if (message.number !== undefined && (orderRefused(message.number, message) || refuse(message.number))) return;
     if (changesText(message.request)) answered();

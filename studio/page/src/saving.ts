@@ -6,23 +6,36 @@ import { differenceOf, textOf } from "./core/document_sync.js";
 import type { ToPage } from "./core/protocol.js";
 import * as documents from "./documents.js";
 import type { OpenDocument } from "./documents.js";
-import { whenSettled } from "./exchange.js";
+import { isRefused, whenSettled } from "./exchange.js";
 import * as program from "./program.js";
 import * as state from "./state.js";
 import { seeAlike } from "./view/scenes.js";
 
-/** Saves a file, under another name where one is given. */
-export function save(file: string, as?: string): void {
-  whenSettled(file, () => saveNow(file, as));
+/** Saves a file, under another name where one is given. `closes`: it is closed once that is done. */
+export function save(file: string, as?: string, closes = false): void {
+  saveRefused(file);
+  if (as === undefined && documents.find(file)?.disk === "changed") {
+    state.notify(`${file} was changed on the disk: choose above its text.`, "error");
+  } else whenSettled(file, () => saveNow(file, as, closes));
 }
 
-function saveNow(file: string, as?: string): void {
+function saveNow(file: string, as: string | undefined, closes: boolean): void {
   documents.flush();
   const document = documents.find(file);
+  if (document && isRefused(document)) {
+    state.notify(`${file} is not saved: the program has refused its last change; undo that first.`, "error");
+    return;
+  }
   const force = document?.force && as === undefined;
   if (!program.send("save", { file, ...(as === undefined ? {} : { as }), ...(force ? { force } : {}) })) {
     state.notify("Not saved: there is no connection to the program. The text is kept here.", "error");
-  }
+  } else if (document) document.closesOnceSaved = closes;
+}
+
+/** A file that is not saved stays open. */
+export function saveRefused(file: string): void {
+  const document = documents.find(file);
+  if (document) document.closesOnceSaved = false;
 }
 
 export function receiveSaved(message: ToPage["saved"]): void {
@@ -44,7 +57,9 @@ export function receiveSaved(message: ToPage["saved"]): void {
   document.dirty = documents.isDirty(document);
   if (wasDirty) state.notify(`Saved ${message.file}`);
   documents.touched();
-  if (closingWhenSaved.delete(message.file) && !document.dirty) documents.close(message.file);
+  const { closesOnceSaved } = document;
+  document.closesOnceSaved = false;
+  if (closesOnceSaved && !document.dirty) documents.close(message.file);
 }
 
 /** What happened to the file: a text that has no changes of its own follows it. */
@@ -52,6 +67,8 @@ export function receiveDisk(message: ToPage["disk"]): void {
   const document = documents.find(message.file);
   if (!document) return;
   document.disk = message.state;
+  // What was chosen was chosen of what the disk had then.
+  document.force = false;
   document.diskText = message.text;
   const follows = !document.dirty || document.reloading;
   if (message.state === "changed" && message.text !== undefined && follows && !document.readOnly) takeDiskText(document);
@@ -112,13 +129,6 @@ export function receiveDraft({ file, ...draft }: ToPage["draft"]): void {
   if (!document) return;
   document.draft = draft;
   documents.touched();
-}
-
-/** Files that are closed once the program has saved them. */
-const closingWhenSaved = new Set<string>();
-
-export function closeWhenSaved(file: string): void {
-  closingWhenSaved.add(file);
 }
 
 /** Keeps the draft for another time: neither taken nor thrown away. */

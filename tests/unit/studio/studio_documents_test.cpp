@@ -50,6 +50,17 @@ TEST_F(StudioDocuments, AFileThatChangedOnDiskIsNotWrittenOver) {
   EXPECT_EQ(disk_.files["a.tessera"], "mine\ntwo\n");
 }
 
+TEST_F(StudioDocuments, AForcedSaveGoesOverWhatWasToldAndNothingLater) {
+  open_and_change_on_disk();
+  say(1, edit(1, {{0, 3, "mine"}}));
+  disk_.files["a.tessera"] = "later\n";
+  say(1, {{"save", {{"file", "a.tessera"}, {"force", true}}}});
+  EXPECT_EQ(disk_.files["a.tessera"], "later\n");
+  EXPECT_EQ(heard(1, "disk").back()["text"], "later\n") << "it is told at once";
+  say(1, {{"save", {{"file", "a.tessera"}, {"force", true}}}});
+  EXPECT_EQ(disk_.files["a.tessera"], "mine\ntwo\n");
+}
+
 TEST_F(StudioDocuments, SavesOfAFileAreDoneInTurn) {
   connect(1);
   say(1, {{"open", {{"file", "a.tessera"}}}});

@@ -46,14 +46,14 @@ export class DocumentSync {
     this.pending = this.pending ? this.pending.compose(changes) : changes;
   }
 
-  /** The next edit to send, of all that was changed since the last. */
-  take(): { base: number; changes: Change[] } | undefined {
+  /** The next edit to send, of all that was changed since the last; it stays pending where it does not fit. */
+  take(fits: (due: { base: number; changes: Change[] }) => boolean = () => true): { base: number; changes: Change[] } | undefined {
     if (!this.pending) return undefined;
-    const base = this.sentVersion;
-    const changes = changesOf(this.pending);
+    const edit = { base: this.sentVersion, changes: changesOf(this.pending) };
+    if (!fits(edit)) return undefined;
     this.sent.push(this.pending);
     this.pending = undefined;
-    return { base, changes };
+    return edit;
   }
 
   /** The program has this version. */

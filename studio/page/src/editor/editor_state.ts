@@ -1,6 +1,6 @@
 // The editor's state for one file: everything that belongs to text alone.
 
-import { Compartment, EditorState, type Extension, type StateEffect, type Text } from "@codemirror/state";
+import { type ChangeDesc, Compartment, EditorState, type Extension, type StateEffect, type Text } from "@codemirror/state";
 import {
   EditorView,
   crosshairCursor,
@@ -31,6 +31,7 @@ import { languageOf } from "../languages/language_of.js";
 import { ruler } from "./ruler.js";
 import { overview } from "./overview.js";
 import { completions } from "./completions.js";
+import * as state from "../state.js";
 
 let listener: Extension = [];
 
@@ -95,6 +96,14 @@ export function rights(file: string, editable: boolean): StateEffect<unknown> {
   return rightsOf.reconfigure(extensionsOfRights(file, editable));
 }
 
+/** Refuses, with words, a change after which the text is larger than the program takes, whose bytes are at least as many. */
+function mayGrow({ length, newLength }: ChangeDesc): boolean {
+  const most = state.mostOf("text");
+  if (newLength <= length || newLength <= most) return true;
+  state.notify(`The text would have ${newLength} characters; expected at most ${most}.`, "error");
+  return false;
+}
+
 /** The state that a file's text begins with; `selection` may be of a longer text. */
 export function editorState(file: string, text: Text, editable: boolean, selection: [anchor: number, head: number] = [0, 0]): EditorState {
   const [anchor, head] = selection.map((each) => Math.min(each, text.length)) as [number, number];
@@ -105,7 +114,8 @@ export function editorState(file: string, text: Text, editable: boolean, selecti
       EditorView.cspNonce.of(nonce()),
       // The program has texts with \n alone; whatever else a paste brings is no end of a line.
       EditorState.lineSeparator.of("\n"),
-      EditorView.clipboardInputFilter.of((pasted) => pasted.replace(/\r\n?/g, "\n")),
+      EditorView.clipboardInputFilter.of((pasted) => pasted.replace(/\r\n?/g, "\n").replaceAll("\0", "")),
+      EditorState.changeFilter.of(({ changes }) => mayGrow(changes)),
       EditorState.allowMultipleSelections.of(true),
       rightsOf.of(extensionsOfRights(file, editable)),
       EditorState.tabSize.of(4),

@@ -208,8 +208,7 @@ function Unsaved({ file }: { file: string }) {
           class="primary"
           onClick={() => {
             stay();
-            documents.save(file);
-            documents.closeWhenSaved(file);
+            documents.save(file, undefined, true);
           }}
         >
           Save and close

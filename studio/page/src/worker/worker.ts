@@ -4,6 +4,7 @@ import { backoff } from "../core/backoff.js";
 import { PartBands } from "../core/part_bands.js";
 import { FrameKind, decodeFrame, encodeChunk, type PixelFrame } from "../core/pixel_frame.js";
 import { SUBPROTOCOL } from "../core/protocol.js";
+import { LOOK_MS, Silence } from "../core/silence.js";
 import { HeldReports } from "./held_reports.js";
 import { Pane } from "./pane.js";
 import type { FromWorker, Layer, ToWorker } from "./messages.js";
@@ -16,20 +17,14 @@ const scope = self as unknown as Scope;
 
 /** How long a program may take to accept a connection. */
 const PATIENCE_MS = 2500;
-/** A program that welcomed the page tells it something each second; its silence is counted in looks, not by the clock:
-    what came while the worker was busy, or its timers were held back, is heard before the next look. */
-const LOOK_MS = 250;
 const CLOSED_SILENTLY = 1006;
-const LONGEST_SILENCE = 96;
-/** In looks. A slow line is silent while a large message comes: each loss by silence doubles it. */
-let mostSilence = 12;
 
 let url = "";
 let socket: WebSocket | undefined;
 let failures = 0;
 let retry: ReturnType<typeof setTimeout> | undefined;
 let listening: ReturnType<typeof setInterval> | undefined;
-let silentLooks = 0;
+const silence = new Silence();
 const panes = new Map<number, Pane>();
 /** What lies over the panes, by layer and pane. */
 const overlays = new Map<string, Pane>();
@@ -61,6 +56,7 @@ function connect(): void {
   const impatience = setTimeout(() => opened.close(), PATIENCE_MS);
   opened.onopen = () => {
     clearTimeout(impatience);
+    silence.begin();
     scope.postMessage({ kind: "open" });
   };
   opened.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
@@ -95,10 +91,9 @@ function passReports(): void {
 }
 
 function heard(): void {
-  silentLooks = 0;
+  silence.heard();
   listening ??= setInterval(() => {
-    if (++silentLooks < mostSilence) return;
-    mostSilence = Math.min(LONGEST_SILENCE, 2 * mostSilence);
+    if (!silence.look()) return;
     // Its end of the connection may never close.
     socket?.close();
     lost(CLOSED_SILENTLY);
