@@ -366,8 +366,11 @@ static TriangleMesh mesh_of(const Array& positions, const Array& triangles) {
   TriangleMesh mesh;
   mesh.positions.resize(positions.bytes().size() / sizeof(Float3));
   mesh.triangles.resize(triangles.bytes().size() / sizeof(TriangleIndices));
-  std::memcpy(mesh.positions.data(), positions.data(), positions.bytes().size());
-  std::memcpy(mesh.triangles.data(), triangles.data(), triangles.bytes().size());
+  const auto copy = [](std::span<const std::byte> from, auto& to) {
+    std::copy(from.begin(), from.end(), std::as_writable_bytes(std::span(to)).begin());
+  };
+  copy(positions.bytes(), mesh.positions);
+  copy(triangles.bytes(), mesh.triangles);
   return mesh;
 }
 
@@ -386,7 +389,8 @@ static Array merged_positions(const Array& positions, double distance) {
     TriangleMesh mesh = mesh_of(positions, Array(std::vector<uint32_t>(), {0, 3}));
     merge_vertices(mesh, distance);
     std::vector<float> numbers(3 * mesh.positions.size());
-    std::memcpy(numbers.data(), mesh.positions.data(), numbers.size() * sizeof(float));
+    const auto bytes = std::as_bytes(std::span(mesh.positions));
+    std::copy(bytes.begin(), bytes.end(), std::as_writable_bytes(std::span(numbers)).begin());
     return numbers;
   });
   return {std::move(merged), positions.shape()};

@@ -89,14 +89,16 @@ Affine mix_rotations(const Where& where, const v1::AxisAngle& a, const v1::AxisA
   return mix_turns(turned(axis_a, angle_a), turned(axis_b, angle_b), s);
 }
 
-/// Eye, target and the direction of up are mixed; between an up and its opposite it turns about the view.
+/// Eye, target and the direction of up are mixed; between an up and its opposite it turns about the
+/// view.
 v1::LookAt mix_views(const v1::LookAt& a, const v1::LookAt& b, double s) {
   v1::LookAt mixed = a;
   mix(*mixed.mutable_eye(), b.eye(), s);
   mix(*mixed.mutable_target(), b.target(), s);
   if (!a.has_up() && !b.has_up()) return mixed;
   const auto up_of = [](const v1::LookAt& look) {
-    const Vec3 up = look.has_up() ? Vec3{look.up().x(), look.up().y(), look.up().z()} : Vec3{0, 1, 0};
+    const Vec3 up =
+        look.has_up() ? Vec3{look.up().x(), look.up().y(), look.up().z()} : Vec3{0, 1, 0};
     // No direction is an error that reading it tells.
     return length_squared(up) > 0 ? normalize(up) : up;
   };

@@ -75,12 +75,12 @@ TEST(Mtl, FollowsTheIlluminationModel) {
 TEST(Mtl, NamesWhatItDoesNotRead) {
   Warnings warnings;
   read("newmtl a b\nrefl x.png\nPs .5\nfoo\nmap_Ka -t 1 2 x.png\nnewmtl a b\n", warnings);
-  EXPECT_EQ(
-      warnings.list("t.mtl"),
-      (std::vector<std::string>{
-          "t.mtl:2:1: texture (refl) is not read", "t.mtl:3:1: parameter 'Ps' is not read",
-          "t.mtl:4:1: unknown statement 'foo' is left out", "t.mtl: option -t of map_Ka is not read",
-          "t.mtl: material 'a b' comes twice; the first one is taken"}));
+  EXPECT_EQ(warnings.list("t.mtl"),
+            (std::vector<std::string>{
+                "t.mtl:2:1: texture (refl) is not read", "t.mtl:3:1: parameter 'Ps' is not read",
+                "t.mtl:4:1: unknown statement 'foo' is left out",
+                "t.mtl: option -t of map_Ka is not read",
+                "t.mtl: material 'a b' comes twice; the first one is taken"}));
 }
 
 TEST(Mtl, ANumberOutsideItsRangeIsTheNearest) {
