@@ -89,10 +89,10 @@ GltfAccessor::Rows GltfAccessor::rows(GltfFile& file, const GltfValue& holder, s
     file.element("bufferViews", *which)["byteStride"].repair(fmt::format("{}", stride), rule,
                                                              kTaken);
   const size_t held = view.bytes.size();
-  const size_t room =
+  const size_t rows_held =
       offset > held || held - offset < row_size ? 0 : (held - offset - row_size) / stride + 1;
-  if (count > room)
-    throw holder.error(fmt::format("{} rows in a buffer view that holds {}", count, room),
+  if (count > rows_held)
+    throw holder.error(fmt::format("{} rows in a buffer view that holds {}", count, rows_held),
                        "rows that it holds");
   return {view.bytes.data() + std::min<uint64_t>(offset, held), stride};
 }
