@@ -250,9 +250,8 @@ FarmSnapshot Coordinator::snapshot(Time now) const {
 std::string Coordinator::broken_rule(Time now) const {
   // What time alone brings is seen with the next tick.
   const bool has_ticked = next_tick_ == now + kTick || next_tick_ == now + options_.heartbeat;
-  if (!has_ticked) return "";
-  const std::string broken = jobs_->broken_rule(now);
-  return broken.empty() ? workers_->broken_rule(now) : broken;
+  const std::string broken = has_ticked ? jobs_->broken_rule(now) : "";
+  return broken.empty() ? workers_->broken_rule(now, has_ticked) : broken;
 }
 
 std::vector<TileSnapshot> Coordinator::tiles(uint64_t job, uint32_t frame, Time now) const {

@@ -90,8 +90,8 @@ class Coordinator {
 
   // For a page or a monitor; all on this thread.
   FarmSnapshot snapshot(Time now) const;
-  /// For tests: which rule of scheduling does not hold after on_tick() at that time, or nothing;
-  /// nothing too while there is more to be done at once.
+  /// For tests: which rule of scheduling does not hold after an act at that time, or nothing. What
+  /// time alone brings, and what is more to be done at once, is looked at after on_tick() alone.
   std::string broken_rule(Time now) const;
   /// Of a frame that is being traced, counted from 0; of any other none.
   std::vector<TileSnapshot> tiles(uint64_t job, uint32_t frame, Time now) const;

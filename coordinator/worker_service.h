@@ -51,9 +51,9 @@ class WorkerService {
   std::vector<Outgoing>& outgoing() { return outgoing_; }
   std::vector<pid_t> take_stuck_processes();
   const WorkerRegistry& workers() const { return workers_; }
-  /// For tests: who idles beside a tile that they could trace, or was given one at this very time
-  /// though they could have had a more urgent one; empty: nobody.
-  std::string broken_rule(Time now) const;
+  /// For tests: who was given a tile at this very time though they could have had a more urgent one,
+  /// or idles after a tick beside one that they could trace; empty: nobody.
+  std::string broken_rule(Time now, bool has_ticked) const;
   /// What it knows of: workers, and counters of tiles and of them.
   void describe(FarmSnapshot& snapshot, Time now) const;
   /// Of how many frames a worker has completed the first tile.
@@ -99,7 +99,9 @@ class WorkerService {
   /// Those that had room when there was nothing for them.
   void fill_idle(Time now);
   bool give_tile(WorkerRecord& worker, Time now);
-  bool give_at_end(WorkerRecord& worker, const std::vector<ActiveFrame*>& jobs, Time now);
+  /// A part or a copy of another's tile, of a job of at least that priority.
+  bool give_at_end(WorkerRecord& worker, const std::vector<ActiveFrame*>& jobs, int32_t least,
+                   Time now);
   void give(WorkerRecord& worker, ActiveFrame& job, const Lease& lease, Time now);
   void cancel(const WorkerRecord& worker, const ActiveFrame& job, LeaseId lease);
   /// Takes it back from its worker, unless that has begun.

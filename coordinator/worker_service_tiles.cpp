@@ -40,7 +40,7 @@ bool WorkerService::takes_tiles(const WorkerRecord& worker) {
   return worker.foreign == 0 && !worker.leaves && worker.state == WorkerState::active;
 }
 
-std::string WorkerService::broken_rule(Time now) const {
+std::string WorkerService::broken_rule(Time now, bool has_ticked) const {
   if (draining_ || !jobs_.store_trouble().empty()) return "";
   const std::vector<ActiveFrame*>& jobs = jobs_.by_need();
   for (const auto& [id, worker] : workers_.all()) {
@@ -60,6 +60,7 @@ std::string WorkerService::broken_rule(Time now) const {
             leases.begin(), leases.end(), [now](const Lease& l) { return l.issued == now; }));
       }
       const TileScheduler& scheduler = job->scheduler();
+      if (given == 0 && !has_ticked) continue;
       const size_t held = held_by(worker) - given;
       const bool could = (held == 0 || given > 0) && held < worker.hello.credit() &&
                          held < scheduler.depth(worker.hello.threads()) &&
@@ -83,9 +84,10 @@ void WorkerService::fill(WorkerRecord& worker, Time now) {
 }
 
 bool WorkerService::give_at_end(WorkerRecord& worker, const std::vector<ActiveFrame*>& jobs,
-                                Time now) {
+                                int32_t least, Time now) {
   const size_t held = held_by(worker);
   for (ActiveFrame* job : jobs) {
+    if (job->priority() < least) break;
     if (job->ended() || !worker.ready_for(job->id())) continue;
     TileScheduler& scheduler = job->scheduler();
     SchedulerEvents events;
@@ -162,7 +164,7 @@ bool WorkerService::give_tile(WorkerRecord& worker, Time now) {
     tell(worker, *job, now);
     builds = true;
   }
-  return !full && give_at_end(worker, jobs, now);
+  return !full && give_at_end(worker, jobs, least, now);
 }
 
 std::vector<KnownScene> WorkerService::known_scenes(const WorkerRecord& worker) const {

@@ -54,6 +54,8 @@ std::filesystem::path ServiceSimulation::spool_folder() {
 }
 
 void ServiceSimulation::with_coordinator(const std::function<void(Coordinator&)>& act) {
+  // Each act has an instant of its own: what was given out at it was given out by this act.
+  ++now_;
   try {
     act(*coordinator_);
   } catch (const Killed&) {
