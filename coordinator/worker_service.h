@@ -51,8 +51,8 @@ class WorkerService {
   std::vector<Outgoing>& outgoing() { return outgoing_; }
   std::vector<pid_t> take_stuck_processes();
   const WorkerRegistry& workers() const { return workers_; }
-  /// For tests: who was given a tile at this very time though they could have had a more urgent one,
-  /// or idles after a tick beside one that they could trace; empty: nobody.
+  /// For tests: who was given a tile at this very time though they could have had a more urgent
+  /// one, or idles after a tick beside one that they could trace; empty: nobody.
   std::string broken_rule(Time now, bool has_ticked) const;
   /// What it knows of: workers, and counters of tiles and of them.
   void describe(FarmSnapshot& snapshot, Time now) const;

@@ -56,8 +56,10 @@ std::string WorkerService::broken_rule(Time now, bool has_ticked) const {
       for (const ActiveFrame* other : jobs) {
         if (other->priority() >= job->priority()) continue;
         const std::vector<Lease> leases = other->scheduler().leases_of(id);
-        given += static_cast<size_t>(std::count_if(
-            leases.begin(), leases.end(), [now](const Lease& l) { return l.issued == now; }));
+        given +=
+            static_cast<size_t>(std::count_if(leases.begin(), leases.end(), [&](const Lease& l) {
+              return l.issued == now && other->scheduler().is_own(l.id);
+            }));
       }
       const TileScheduler& scheduler = job->scheduler();
       if (given == 0 && !has_ticked) continue;

@@ -327,11 +327,13 @@ size_t TileScheduler::report(WorkerId worker, const std::vector<LeaseProgress>& 
 
 uint64_t TileScheduler::opening_tag() const { return number_of(rules_.opening) >> kTagShift; }
 
+bool TileScheduler::is_own(LeaseId lease) const { return lease >> kTagShift == opening_tag(); }
+
 bool TileScheduler::accepts(LeaseId lease, bool ours, WorkerId worker) {
   if (ours || issued_.contains(lease)) return issued(lease, worker);
   // Leases of another coordinator whose tag happens to be the same (one in 4,096) could be ones
   // that we shall give: their tiles are traced again.
-  if (!rules_.adopts || lease >> kTagShift == opening_tag()) return false;
+  if (!rules_.adopts || is_own(lease)) return false;
   // Into which parts that coordinator had split a tile is not known any more.
   if (tile_of(lease) >= tiles_.size() || !TilePiece::of(lease).whole()) return false;
   // No more than there are honest ones.

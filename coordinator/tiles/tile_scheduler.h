@@ -89,6 +89,8 @@ class TileScheduler {
   SchedulerEvents leave(WorkerId worker, LossCause cause, Time now);
   /// What it holds, in the order in which it was given that.
   std::vector<Lease> leases_of(WorkerId worker) const;
+  /// Whether a lease has a number of this coordinator's, and not of one before it.
+  bool is_own(LeaseId lease) const;
   /// A suspect gets no work, and others get copies of what it holds, before all else.
   void set_suspect(WorkerId worker, bool suspect);
 
