@@ -107,7 +107,12 @@ class Fetch {
   static std::optional<int> number_in_animation(const v1::JobStatus& status) {
     return status.animation() ? std::optional(status.frame().number()) : std::nullopt;
   }
-  FetchedFrame fetch() { return fetch_frame(client_, query_, options_.denoise); }
+  FetchedFrame fetch() {
+    if (!options_.wait) return fetch_frame(client_, query_, options_.denoise);
+    return fetch_frame_through_silence(
+        client_, query_, options_.denoise,
+        [](const std::string& why) { say_warning(why + "; it is waited for"); });
+  }
 
   /// The first failure counts; whatever else there is of pictures is written.
   void write(const FetchedFrame& fetched) {

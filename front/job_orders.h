@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -45,6 +46,11 @@ struct FetchedFrame {
 /// tile of it is missing. Throws render_error where there is no such job any more, or its picture
 /// is damaged.
 FetchedFrame fetch_frame(FarmClient& client, const v1::JobQuery& query, bool denoises);
+/// The same, but a farm that falls silent, as one whose coordinator is started anew, is asked until
+/// it answers; `tell` hears once why nothing comes.
+FetchedFrame fetch_frame_through_silence(FarmClient& client, const v1::JobQuery& query,
+                                         bool denoises,
+                                         const std::function<void(const std::string&)>& tell);
 
 /// What `--stats` tells of a picture that a farm has made.
 std::string fetched_statistics(const v1::JobFrame& frame, const RenderedPicture& picture);

@@ -306,16 +306,20 @@ std::pair<ElementType, py::ssize_t> blob_layout(const std::string& field) {
   return blob_layouts().at(field);
 }
 
+void check_texel_sides(const ArraySource& source) {
+  // Those of a scene are in a row.
+  if (source.shape.size() > 1 && std::max(source.shape[0], source.shape[1]) > kMaxFrameSide) {
+    wrong_shape("texels", source.shape, fmt::format("sides of at most {}", kMaxFrameSide));
+  }
+}
+
 py::object take_blob_array(py::handle given, const std::string& field, py::handle copy,
                            py::ssize_t rows) {
   auto [type, columns] = blob_layout(field);
   const ArraySource source = array_source(given, field);
   const bool is_texels = field == "texels";
   if (is_texels) {
-    // Those of a scene are in a row.
-    if (source.shape.size() > 1 && std::max(source.shape[0], source.shape[1]) > kMaxFrameSide) {
-      wrong_shape(field, source.shape, fmt::format("sides of at most {}", kMaxFrameSide));
-    }
+    check_texel_sides(source);
     type = kept_texel_type(source);
   } else {
     // The number of triangles is free; `rows` bounds what they refer to.

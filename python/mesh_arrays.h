@@ -8,6 +8,7 @@
 #include "base/blob.h"
 #include "base/digest.h"
 #include "python/array.h"
+#include "python/array_source.h"
 
 namespace tessera {
 
@@ -20,6 +21,9 @@ namespace tessera {
 pybind11::object take_blob_array(pybind11::handle given, const std::string& field,
                                  pybind11::handle copy = pybind11::none(),
                                  pybind11::ssize_t vertices = -1);
+
+/// Throws ValueError for texels of a picture that is larger than any.
+void check_texel_sides(const ArraySource& source);
 
 /// The blob of an array and its name, which is worked out once. Needs the GIL, which it lets go of.
 std::pair<Digest, BlobData> blob_of(const Array& array);

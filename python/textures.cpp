@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "front/texture_decoder.h"
 #include "python/array.h"
+#include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/interruptible.h"
 #include "python/mesh_arrays.h"
@@ -60,16 +61,43 @@ DecodedTexture texture_of(const Array& texels, bool is_associated) {
   return texture;
 }
 
-/// Light of floats that are codes in sRGB; uint8 are returned as they are.
-Array light_of_texels(const Array& texels, bool is_associated) {
+/// Codes of 16 bits as floats, from 0 to 1; anything else as it is.
+py::object without_codes16(py::handle given) {
+  const ArraySource source = array_source(given, "texels");
+  if (source.kind != 'u' || source.item_size != 2) return py::reinterpret_borrow<py::object>(given);
+  check_texel_sides(source);
+  return py::cast(Array(run_unlocked(bytes_worked_on(source),
+                                     [source](const std::atomic<bool>& stop) {
+                                       std::vector<float> floats;
+                                       floats.reserve(static_cast<size_t>(source.count()));
+                                       for_each_element<float>(source, stop, [&](float code) {
+                                         floats.push_back(code / 65535);
+                                       });
+                                       return floats;
+                                     }),
+                        source.shape));
+}
+
+/// The texels of an array: uint8 as they are, else light. `encoding`: as ImageTexture has it;
+/// empty: none.
+py::object take_texels(py::handle given, const std::string& encoding, bool is_associated) {
+  const py::object plain = without_codes16(given);
+  const py::object taken = take_blob_array(plain, "texels");
+  const auto& texels = taken.cast<const Array&>();
+  const bool from_integers = plain.ptr() != given.ptr();
+  const bool is_light = !from_integers && encoding != "srgb";
   const auto axes = texels.shape().size();
-  if (texels.type().size == 1 || (axes != 2 && axes != 3)) return texels;
-  const DecodedTexture light = run_abandonably([texels, is_associated](const std::atomic<bool>&) {
-    DecodedTexture texture = texture_of(texels, is_associated);
-    decode_picture(texture, SampleEncoding::srgb);
-    return texture;
-  });
-  return Array(light.texels, light.texels->data(), texel_type(light.bits), texels.shape());
+  if (texels.type().size == 1 || is_light || (axes != 2 && axes != 3)) return taken;
+  const DecodedTexture light =
+      run_abandonably([texels, from_integers, is_associated,
+                       encoding = encoding_of(encoding)](const std::atomic<bool>&) {
+        DecodedTexture texture = texture_of(texels, is_associated);
+        texture.meaning.from_integers = from_integers;
+        decode_picture(texture, encoding);
+        return texture;
+      });
+  return py::cast(
+      Array(light.texels, light.texels->data(), texel_type(light.bits), texels.shape()));
 }
 
 /// The texels (h, w) or (h, w, c) followed by all smaller levels, in a row, and how many there are.
@@ -88,7 +116,7 @@ std::pair<Array, uint32_t> with_mip_levels(const Array& texels, bool is_srgb, bo
 
 void bind_textures(py::module_& module) {
   module.def("read_texture", &read_texture, "The picture in a file as an array.");
-  module.def("light_of_texels", &light_of_texels, "Light of floats that are codes in sRGB.");
+  module.def("take_texels", &take_texels, "The texels of an array, as a texture has them.");
   module.def("srgb_to_linear", &srgb_to_linear, "A channel of sRGB from 0 to 1 as linear light.");
   module.def("with_mip_levels", &with_mip_levels, "Texels with all smaller levels behind them.");
 }

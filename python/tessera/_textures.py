@@ -14,8 +14,8 @@ from ._types import ArrayLike, Path
 from .errors import MissingFile, SceneWarning
 
 class ImageTexture(_messages.ImageTexture):
-    """A picture, from an array (h, w) or (h, w, channels) of uint8, float16 or float32, or from a
-    file, which is read here and now. Smaller levels for the trilinear filter are made of it.
+    """A picture, from an array (h, w) or (h, w, channels) of uint8, uint16, float16 or float32, or
+    from a file, which is read here and now. Smaller levels for the trilinear filter are made of it.
 
     `wrap` is both `wrap_s` and `wrap_t`. Where `encoding` is left out, integers of any depth are
     codes in sRGB and floats are linear light. `associated_alpha`: the colours of a given array are
@@ -56,10 +56,7 @@ class ImageTexture(_messages.ImageTexture):
                 self.associated_alpha = True
             self._take(texels, encoding)
         elif picture is not None:
-            texels = _core.take_array(picture, "texels")
-            if encoding == "srgb":
-                texels = _core.light_of_texels(texels, bool(associated_alpha))
-            self._take(texels, encoding)
+            self._take(_core.take_texels(picture, encoding or "", bool(associated_alpha)), encoding)
 
     def _take(self, texels: _core.Array, encoding: Optional[str]) -> None:
         shape = texels.shape

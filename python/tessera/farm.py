@@ -108,14 +108,17 @@ class Farm(BaseFarm):
         return [Job(self, job["job"]) for job in json.loads(self._ask().list())["jobs"]]
 
     def job(self, job: Union[int, str]) -> "Job":
-        """The job of that number, or the latest of that name; "name:7" is a name, "7" a number. Raises
+        """The job of that number, or the latest of that name; "name:7" is a name, "7" a number. Of
+        several of one name it warns, and refuses to change it: that takes its number. Raises
         UsageError where there is none, FarmError where the farm is gone."""
         if isinstance(job, bool) or not isinstance(job, (int, str)):
             raise TypeError(f"job: {job!r:.100}; expected the number or the name of a job")
         number, told = self._ask().find(named_text("job", str(job)))
         for warning in told:
             warnings.warn(warning, stacklevel=level_of_caller())
-        return Job(self, number)
+        found = Job(self, number)
+        found._one_of_several = "; ".join(told)
+        return found
 
     def workers(self) -> int:
         """How many workers are connected."""
@@ -139,11 +142,12 @@ def checked_priority(priority: int) -> int:
 class Job:
     """A job of a farm: it goes on whether or not anybody watches."""
 
-    __slots__ = ("_farm", "_connection", "number")
+    __slots__ = ("_farm", "_connection", "_one_of_several", "number")
 
     def __init__(self, farm: Farm, number: int) -> None:
         self._farm: Optional[Farm] = farm
         self._connection = farm._arguments()
+        self._one_of_several = ""  # why its name alone does not tell which is to be changed
         self.number = number
 
     @property
@@ -227,6 +231,8 @@ class Job:
         return numbers.index(frame)
 
     def _order(self, order: _core.Order, priority: Optional[int] = None) -> None:
+        if self._one_of_several:
+            raise UsageError(f"job: {self._one_of_several}; expected the number of the one to change")
         self.farm._ask().order(self.number, order, priority)
 
     def pause(self) -> None:
@@ -264,10 +270,12 @@ class Job:
         return table(self.status())
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return _unpickled, (*self._connection, self.number)
+        return _unpickled, (*self._connection, self._one_of_several, self.number)
 
 
-def _unpickled(endpoint: str, key: str, server_key: str, timeout: float, number: int) -> Job:
+def _unpickled(endpoint: str, key: str, server_key: str, timeout: float, one_of_several: str,
+               number: int) -> Job:
     job = Job.__new__(Job)
     job._farm, job._connection, job.number = None, (endpoint, key, server_key, timeout), number
+    job._one_of_several = one_of_several
     return job

@@ -26,6 +26,10 @@ inline Color mix(const Color& a, const Color& b, double weight_of_b) {
   return a * (1 - weight_of_b) + b * weight_of_b;
 }
 inline bool is_black(const Color& c) { return c.r == 0 && c.g == 0 && c.b == 0; }
+/// Negative light is none.
+inline Color without_negative(const Color& c) {
+  return {std::max(c.r, 0.0), std::max(c.g, 0.0), std::max(c.b, 0.0)};
+}
 inline double max_component(const Color& c) { return std::max(c.r, std::max(c.g, c.b)); }
 
 }  // namespace tessera

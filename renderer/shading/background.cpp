@@ -61,7 +61,7 @@ Color rings_radiance(const Background& background, const Vec3& d) {
   };
   const Texel texel = picture->lookup(inside(right, picture->settings().width),
                                       inside(down, picture->settings().height));
-  return mix(behind, texel.color, texel.alpha);
+  return mix(behind, without_negative(texel.color), texel.alpha);
 }
 
 /// The share of light from every direction that a light is in: the sum over lights.

@@ -63,7 +63,9 @@ struct Background {
   /// background.
   /// Also a lane each in lane_light-inl.h, to the bit.
   Vec2 place_in_panorama(const Vec3& turned) const;
-  Color panorama_at(double s, double t) const { return picture->light(s, t) * intensity; }
+  Color panorama_at(double s, double t) const {
+    return without_negative(picture->light(s, t)) * intensity;
+  }
   /// Radiance along unit direction `d`, for a ray from `origin`.
   Color radiance(const Point3& origin, const Vec3& d, std::span<const Light> lights) const;
 };

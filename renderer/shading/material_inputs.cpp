@@ -62,12 +62,12 @@ void apply_surface_color(const MaterialInputs& inputs, const Texture& texture, c
                          VertexColor& vertex, Material& material) {
   Color& color = color_of(material, inputs.surface_color);
   if (inputs.texture_replaces && texture.has_color()) {
-    color = texel.color;
+    color = without_negative(texel.color);
   } else {
     if (vertex.exists) {
       color = material.vertex_color_replaces_diffuse ? vertex.color : color * vertex.color;
     }
-    color = color * texel.color;
+    color = color * without_negative(texel.color);
   }
   vertex.exists = false;
   if (!texture.has_alpha()) return;
@@ -154,7 +154,7 @@ void resolve_material(const MaterialInputs& inputs, const TexturePoint& point,
       apply_surface_color(inputs, texture, texel, vertex, material);
     } else if (slot.target <= Target::last_color) {
       Color& color = color_of(material, slot.target);
-      color = color * texel.color;
+      color = color * without_negative(texel.color);
     } else {
       double& number = number_of(material, slot.target);
       number = number * channel_of(texel, slot.channel);

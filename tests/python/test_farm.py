@@ -247,11 +247,19 @@ def test_a_job_may_have_no_name(served):
         assert str(told.value) == "name: 3; expected text"
 
 
-def test_of_jobs_that_share_a_name_the_latest_is_told(served):
+def test_of_jobs_that_share_a_name_the_latest_is_told_and_none_is_changed(served):
     with served.farm() as farm:
         jobs = [farm.submit(KNOT, size=(8, 8), name="twin") for _ in range(2)]
         with pytest.warns(UserWarning, match=f"2 jobs have the name 'twin': job {jobs[1].number}"):
-            assert farm.job("twin") == jobs[1]
+            twin = farm.job("twin")
+        assert twin == jobs[1]
+        for one in (twin, pickle.loads(pickle.dumps(twin))):
+            for change in (one.cancel, one.pause, one.resume, one.forget):
+                with pytest.raises(ts.UsageError, match="2 jobs have the name.*; expected the number"):
+                    change()
+        assert [job.wait(60)["state"] for job in jobs] == ["done", "done"]
+        farm.job(jobs[1].number).forget()
+        assert jobs[0] in farm.jobs() and jobs[1] not in farm.jobs()
 
 
 def test_wrong_keys_and_dead_farms_are_told(served, tmp_path):

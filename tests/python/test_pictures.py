@@ -260,6 +260,25 @@ def test_codes_of_any_depth_are_light(tmp_path, stored_pictures):
     assert np.asarray(texture.texels)[:3] == pytest.approx(lit, abs=1e-6)
     texture = ts.ImageTexture(tmp_path / "16.png", encoding="linear")
     assert np.asarray(texture.texels)[:3] == pytest.approx(color, abs=1e-6)
+    codes = np.round(np.array([[(*color, 1)]]) * 65535).astype("u2")
+    for array in (codes, codes.astype(">u2"), np.repeat(codes, 2, 1)[:, ::2]):
+        texture = ts.ImageTexture(array)
+        assert (texture.bits, texture.channels, texture.encoding) == (32, 4, "linear")
+        assert np.asarray(texture.texels) == pytest.approx([*lit, 1], abs=1e-6)
+        texture = ts.ImageTexture(array, encoding="linear")
+        assert np.asarray(texture.texels) == pytest.approx([*color, 1], abs=1e-5)
+    with pytest.raises(ValueError, match="sides of at most"):
+        ts.ImageTexture(np.broadcast_to(np.uint16(0), (10**5, 10**5)))
+
+
+def test_negative_light_is_none():
+    texture = ts.ImageTexture(np.full((1, 1, 3), (-5, .5, -1), "f4"))
+    sky = ts.Background(panorama=ts.BackgroundPanorama(texture))
+    ball = ts.Sphere(material=ts.Unlit(color=texture))
+    camera = ts.Camera.look_at(eye=(0, 0, 3), target=(0, 0, 0))
+    for scene in (ts.Scene(background=sky, cameras=[camera]), ts.Scene(nodes=[ball], cameras=[camera])):
+        image = ts.render(scene, workers=0, size=(3, 3))
+        assert image.linear[1, 1].tolist() == [0, .5, 0]
 
 
 def test_colour_and_coverage_by_name(tmp_path, stored_pictures):

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/file.h"
+#include "base/lower_case.h"
 
 namespace tessera {
 namespace {
@@ -29,6 +30,14 @@ std::string path_of(const std::string& url) {
   return out;
 }
 
+/// Without "file:" and an authority that is this machine, in any case.
+std::string without_file_scheme(const std::string& url) {
+  const std::string lower = lower_case(url.substr(0, 18));
+  for (const std::string_view start : {"file://localhost/", "file:///"})
+    if (lower.starts_with(start)) return url.substr(start.size() - 1);
+  return lower.starts_with("file:") && !lower.starts_with("file://") ? url.substr(5) : url;
+}
+
 /// Whether it begins "scheme:", with two letters or more.
 bool has_scheme(const std::string& url) {
   const size_t colon = url.find(':');
@@ -50,8 +59,9 @@ std::string X3dFiles::folder_of(const std::string& file) {
 
 X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder,
                                bool takes_others) const {
-  if (has_scheme(url)) return {.reason = "only files are read, and nothing from the network"};
-  const std::string path = path_of(url);
+  const std::string local = without_file_scheme(url);
+  if (has_scheme(local)) return {.reason = "only files are read, and nothing from the network"};
+  const std::string path = path_of(local);
   if (path.empty()) return {.reason = "it names no file"};
   AssetFolder from = *assets_;
   from.folder = (from.folder / folder).lexically_normal();

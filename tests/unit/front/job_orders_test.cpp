@@ -21,11 +21,16 @@ class ScriptedTransport : public testing::AnsweringTransport {
  public:
   std::deque<v1::JobStatus> answers;
   std::vector<v1::JobQuery> asked;
+  int unanswered = 0;  ///< questions that it does not hear
 
  private:
   std::optional<v1::JobStatus> answer(const v1::Envelope& message) override {
     EXPECT_TRUE(message.has_job_query());
     asked.push_back(message.job_query());
+    if (unanswered > 0) {
+      --unanswered;
+      return std::nullopt;
+    }
     EXPECT_FALSE(answers.empty());
     if (answers.empty()) return std::nullopt;
     v1::JobStatus status = answers.front();
@@ -126,6 +131,23 @@ TEST_F(JobOrders, ToFetchTellWhetherTheFrameHasEndedAndHow) {
   EXPECT_EQ(fetched.failure.value().code(), ExitCode::interrupted);
   transport_.answers = {job_status(v1::JobStatus::UNKNOWN)};
   EXPECT_EQ(failure([&] { fetch_frame(client_, job_query(v1::JobQuery::ASK), false); }).first,
+            ExitCode::render_failed);
+}
+
+TEST_F(JobOrders, ToFetchThroughSilenceAreAskedUntilTheyAreAnswered) {
+  FarmClient client(transport_, "ipc:///nowhere", stop_, std::chrono::milliseconds(1));
+  transport_.unanswered = 3;
+  transport_.answers = {job_status(v1::JobStatus::RUNNING)};
+  std::vector<std::string> told;
+  const FetchedFrame fetched =
+      fetch_frame_through_silence(client, job_query(v1::JobQuery::ASK), false,
+                                  [&](const std::string& why) { told.push_back(why); });
+  EXPECT_FALSE(fetched.has_ended());
+  EXPECT_EQ(transport_.asked.size(), 4u);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("no word from the coordinator"), std::string::npos) << told[0];
+  transport_.unanswered = 1;
+  EXPECT_EQ(failure([&] { fetch_frame(client, job_query(v1::JobQuery::ASK), false); }).first,
             ExitCode::render_failed);
 }
 

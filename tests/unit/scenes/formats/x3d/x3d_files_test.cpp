@@ -65,6 +65,22 @@ TEST_F(X3dFilesTest, InlinesAreObjectsWithNamesOfTheirOwn) {
   EXPECT_EQ(loaded.scene.cameras(0).world_from_camera().steps(0).translate().x(), 1);
 }
 
+TEST_F(X3dFilesTest, UrlsMayNameFilesOfThisMachine) {
+  write("parts/ball.x3dv", "Shape { geometry Sphere { } }");
+  const std::string whole = (folder_ / "parts/ball.x3dv").string();
+  for (const std::string& url :
+       {std::string("file:parts/ball.x3dv"), "file://" + whole, "FILE://LocalHost" + whole,
+        "file:" + whole, std::string("file:///home/ann/scene/parts/ball.x3dv")}) {
+    const LoadedScene loaded = read_x3d(write("main.x3dv", "Inline { url \"" + url + "\" }"), {});
+    EXPECT_EQ(loaded.scene.objects_size(), 1) << url;
+  }
+  const LoadedScene loaded =
+      read_x3d(write("main.x3dv", "Inline { url \"file://server/parts/ball.x3dv\" }"), {});
+  EXPECT_EQ(loaded.scene.objects_size(), 0);
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("nothing from the network"), std::string::npos);
+}
+
 TEST_F(X3dFilesTest, WhatCannotBeInlinedIsLeftOutWithAReason) {
   std::ofstream(outside_ / "secret.x3dv") << "#X3D V3.3 utf8\nShape { geometry Box { } }";
   fs::create_symlink(outside_ / "secret.x3dv", folder_ / "link.x3dv");
