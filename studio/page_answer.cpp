@@ -169,7 +169,6 @@ Json summary_json(const SceneReading& reading) {
           {"animation", std::move(animation)},
           {"digest", reading.scene->digest},
           {"counts", std::move(counts)},
-          {"unused", reading.summary.unused},
           {"cameras", std::move(cameras)},
           {"depends_on_frame", reading.scene->loaded.depends_on_frame || moves(scene)},
           {"seconds", reading.seconds}};

@@ -1,5 +1,7 @@
 #include "studio/scene_reading.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -15,6 +17,7 @@
 #include "front/load_frame.h"
 #include "front/located.h"
 #include "front/render_options.h"
+#include "scenes/edit/outline.h"
 #include "scenes/import/asset_folder.h"
 #include "studio/scene_extent.h"
 #include "studio/source_map.h"
@@ -47,6 +50,19 @@ class ProblemMaker {
     const fs::path relative = fs::path(path).lexically_relative(folder_);
     return relative.empty() || *relative.begin() == ".." ? path : relative.generic_string();
   }
+  /// The text of the file, as it is open or as the disk has it; null where neither is known.
+  const Document* text_of(const std::string& file) const {
+    if (const auto open = order_.texts.find(file); open != order_.texts.end()) return &open->second;
+    const auto [at, is_new] = on_disk_.try_emplace(file);
+    if (is_new) {
+      try {
+        at->second = Document(read_input_file((folder_ / file).string(), Document::kMostBytes));
+      } catch (const Error&) {
+        // A file that is too long, or gone, has places alone.
+      }
+    }
+    return at->second ? &*at->second : nullptr;
+  }
 
  private:
   void set_range(const SourcePlace& place, const SourcePlace& end, Problem& problem) const {
@@ -70,19 +86,6 @@ class ProblemMaker {
     problem.column = from.column;
     problem.end_line = to.line;
     problem.end_column = to.column;
-  }
-  /// The text of the file, as it is open or as the disk has it; null where neither is known.
-  const Document* text_of(const std::string& file) const {
-    if (const auto open = order_.texts.find(file); open != order_.texts.end()) return &open->second;
-    const auto [at, is_new] = on_disk_.try_emplace(file);
-    if (is_new) {
-      try {
-        at->second = Document(read_input_file((folder_ / file).string(), Document::kMostBytes));
-      } catch (const Error&) {
-        // A file that is too long, or gone, has places alone.
-      }
-    }
-    return at->second ? &*at->second : nullptr;
   }
 
   const ReadOrder& order_;
@@ -153,6 +156,52 @@ void note_error(const Error& error, const ProblemMaker& maker, SceneReading& rea
     reading.problems.push_back(maker.make(true, diagnostic, message_of(diagnostic)));
 }
 
+/// The range that tells the entity from others: its name, where the text has it, else all of it.
+edit::SourceRange telling_range(const edit::Entity& entity) {
+  const auto name = std::find_if(entity.fields.begin(), entity.fields.end(),
+                                 [](const edit::Field& field) { return field.name == "name"; });
+  return name == entity.fields.end() ? entity.range : name->value;
+}
+
+/// Where the text of the scene's own file defines what its summary calls "material 'red'". Nothing
+/// of long texts, whose outlines would make each key wait.
+std::map<std::string, edit::SourceRange> defined_places(const std::string& file,
+                                                        const Document& text) {
+  constexpr size_t kMostUnits = size_t{1} << 20;
+  const auto language = edit::language_of(file);
+  std::map<std::string, edit::SourceRange> places;
+  if (!language || text.units() > kMostUnits) return places;
+  const edit::Outline outline = edit::outline(*language, text.text());
+  for (const edit::Entity& entity : outline.entities()) {
+    if (entity.name.empty()) continue;
+    places.try_emplace(fmt::format("{} '{}'", edit::name_of(entity.kind), entity.name),
+                       telling_range(entity));
+  }
+  return places;
+}
+
+void note_unused(const std::vector<std::string>& unused, const ProblemMaker& maker,
+                 SceneReading& reading) {
+  if (unused.empty()) return;
+  const Document* const text = maker.text_of(reading.file);
+  std::map<std::string, edit::SourceRange> places;
+  if (text) places = defined_places(reading.file, *text);
+  for (const std::string& what : unused) {
+    Problem problem = maker.make(false, {}, what + " is not used");
+    if (const auto at = places.find(what); at != places.end()) {
+      const auto position = [&](uint32_t byte) {
+        return text->position_of(text->offset_of_text_byte(byte));
+      };
+      const TextPosition begin = position(at->second.begin), end = position(at->second.end);
+      problem.line = begin.line;
+      problem.column = begin.column;
+      problem.end_line = end.line;
+      problem.end_column = end.column;
+    }
+    reading.problems.push_back(std::move(problem));
+  }
+}
+
 }  // namespace
 
 SceneReading read_for_studio(const ReadOrder& order, const ReadingPlaces& places) {
@@ -179,6 +228,8 @@ SceneReading read_for_studio(const ReadOrder& order, const ReadingPlaces& places
     for (const Diagnostic& warning : scene->loaded.warning_diagnostics)
       reading.problems.push_back(maker.make(false, warning, warning.found));
     reading.summary = summarize(scene->loaded.scene, scene->loaded.blobs);
+    note_unused(reading.summary.unused, maker, reading);
+    note_unused(scene->loaded.unused, maker, reading);
     reading.bounds = rough_bounds(scene->loaded);
     reading.settings =
         FrameRender(options, *scene,

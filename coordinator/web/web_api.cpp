@@ -17,7 +17,6 @@
 #include "coordinator/web/farm_page_files.h"
 #include "coordinator/web/png_file.h"
 #include "job/job.h"
-#include "proto/wire/scene_codec.h"
 #include "renderer/film/film.h"
 
 namespace tessera {
@@ -263,8 +262,8 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
   const auto id = whole<uint64_t>(rest.substr(0, slash));
   const std::string what = slash == std::string::npos ? "" : rest.substr(slash + 1);
   const bool known = what.empty() || what == "tiles" || what == "preview.png" ||
-                     what == "trace.json" || what == "picture.png" || what == "scene.tesserab" ||
-                     is_order(what);
+                     what == "trace.json" || what == "picture.png" || what == "scene.tessera" ||
+                     what == "scene.tesserab" || is_order(what);
   if (!id || !known) return tell(reply, http_error(404, "there is no such thing of a job"));
   if (is_order(what) != (request.method == "POST")) {
     return tell(reply, http_error(405, is_order(what) ? "expected POST" : "expected GET"));
@@ -286,7 +285,7 @@ void WebApi::handle_job(const HttpRequest& request, const std::string& rest,
   }
   if (what == "trace.json") return show_trace(*id, frame, reply);
   if (what == "picture.png") return show_picture(*id, frame, reply);
-  if (what == "scene.tesserab") return show_scene(*id, frame, reply);
+  if (const auto form = scene_encoding_of(what)) return show_scene(*id, frame, *form, reply);
   show_frame(*id, frame, what, request, reply);
 }
 
@@ -348,8 +347,8 @@ void WebApi::show_picture(uint64_t job, uint32_t frame, const HttpReply& reply) 
   ask(question, reply);
 }
 
-void WebApi::show_scene(uint64_t job, uint32_t frame, const HttpReply& reply) {
-  const auto question = [job, frame, reply](Coordinator& coordinator, Time) {
+void WebApi::show_scene(uint64_t job, uint32_t frame, SceneEncoding form, const HttpReply& reply) {
+  const auto question = [job, frame, form, reply](Coordinator& coordinator, Time) {
     try {
       auto spec = coordinator.spec(job, frame);
       if (!spec) return reply([] { return http_error(404, "there is no such frame"); });
@@ -362,9 +361,8 @@ void WebApi::show_scene(uint64_t job, uint32_t frame, const HttpReply& reply) {
                                              bytes >> 20, kMaxEmbeddedBlobBytes >> 20));
         });
       }
-      reply([spec = std::make_shared<const JobSpec>(std::move(*spec))] {
-        return file("application/octet-stream",
-                    encode_scene(spec->scene, spec->blobs, SceneEncoding::binary));
+      reply([form, spec = std::make_shared<const JobSpec>(std::move(*spec))] {
+        return file("application/octet-stream", encode_scene(spec->scene, spec->blobs, form));
       });
     } catch (const std::exception& error) {
       reply([why = std::string(error.what())] { return http_error(503, why); });

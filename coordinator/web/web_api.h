@@ -11,6 +11,7 @@
 
 #include "coordinator/web/farm_monitor.h"
 #include "coordinator/web/metrics_text.h"
+#include "proto/wire/scene_codec.h"
 #include "web/http_message.h"
 #include "web/log_ring.h"
 #include "web/web_access.h"
@@ -52,7 +53,7 @@ class WebApi {
                   const HttpReply& reply);
   void show_trace(uint64_t job, uint32_t frame, const HttpReply& reply);
   void show_picture(uint64_t job, uint32_t frame, const HttpReply& reply);
-  void show_scene(uint64_t job, uint32_t frame, const HttpReply& reply);
+  void show_scene(uint64_t job, uint32_t frame, SceneEncoding form, const HttpReply& reply);
   /// Replies that too many ask where the coordinator does not take the question.
   void ask(FarmMonitor::Question question, const HttpReply& reply);
   void tell_news(const HttpRequest& request, const HttpReply& reply);

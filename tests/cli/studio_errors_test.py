@@ -87,8 +87,20 @@ class Errors(ViewTest):
         page = self.begin(SCENE + unused)
         self.show(page)
         self.last_picture(page)
-        self.assertEqual([], [each for each in self.problems(page, 1) if each["severity"] == "error"])
-        self.assertIn("unused", str(page.receive("summary")["unused"]))
+        told, = self.problems(page, 1)
+        column = unused.index('"unused"') + 1
+        line = SCENE.count("\n") + 1
+        self.assertEqual(("warning", "material 'unused' is not used", "scene.tessera", line, column, line, column + 8),
+                         tuple(map(told.get, ("severity", "message", "file", "line", "column", "end_line",
+                                              "end_column"))))
+
+    def test_what_an_included_file_does_not_use_is_told_too(self):
+        (self.opened / "part.obj").write_text("mtllib part.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl one\nf 1 2 3\n")
+        (self.opened / "part.mtl").write_text("newmtl one\nnewmtl idle\n")
+        page = self.begin('includes { file: "part.obj" }\n' + SCENE)
+        self.show(page)
+        self.assertEqual([("warning", "material 'idle' is not used")],
+                         [(each["severity"], each["message"]) for each in self.problems(page, 1)])
 
     def test_a_scene_that_cannot_be_rendered_costs_its_picture_alone(self):
         self.text = SCENE

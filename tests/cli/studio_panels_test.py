@@ -170,6 +170,13 @@ class Models(PanelsTest):
         page.click_on('.panel-models [role="option"][aria-selected="true"]')
         page.press("Delete")
         self.has_text(page, one, "one is removed")
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Home")
+        page.click_on(".panel-models button:disabled", "Delete")
+        self.assertEqual(one, page.script, "none is chosen, none is deleted")
+        page.click_on('.panel-models [role="option"]', "sphere.obj")
+        page.click_on(".panel-models button:enabled", "Delete")
+        self.has_text(page, SCENE, "the button deletes the one that is chosen")
         self.until_final(page)
 
     def test_a_bare_model_becomes_a_scene_that_places_it(self):

@@ -434,6 +434,69 @@ class Models(StudioPageTest):
                                 ".map((each) => each.textContent)")
         self.assertEqual(["a.obj", "b.obj"], options)
 
+    def live(self, page, label):
+        """An expression for a field of the placement in the Properties panel."""
+        return f"""[...document.querySelectorAll(".panel-properties .fields label.field")].find((each) =>
+            each.querySelector("span").textContent === {json.dumps(label)})?.querySelector("input")"""
+
+    def set_live(self, page, label, text):
+        """Types in place of what the field has."""
+        wait_until(lambda: page.evaluate(f"(() => {{ const found = {self.live(page, label)}; found?.focus(); "
+                                         "found?.select(); return found !== undefined; })()"), f"the field {label}")
+        page.type(text)
+
+    def test_the_properties_of_a_model_set_its_placement_as_they_are_typed(self):
+        page = self.begin_with_model()
+        page.click_on('[role="tab"]', "Properties")
+        self.set_live(page, "Position y", "1.75")
+        wait_until(lambda: "translate { y: 1.75 }" in page.script, "the position follows")
+        after = self.until_final(page)
+        self.assertEqual(after["version"], after["picture"]["version"])
+        moved = page.script
+        self.set_live(page, "Rotation z", "30")
+        wait_until(lambda: "rotate { axis { z: 1 } angle: 30 }" in page.script, "the rotation follows")
+        self.set_live(page, "Scale", "3")
+        wait_until(lambda: "scale { x: 3 y: 3 z: 3 }" in page.script, "the scale follows")
+        page.click_on('.panel-properties input[aria-label="Flip x"]')
+        wait_until(lambda: "scale { x: -3 y: 3 z: 3 }" in page.script, "it is mirrored")
+        page.evaluate("document.querySelector('.panel-properties .fields select').focus()")
+        page.type("red")
+        wait_until(lambda: 'material: "red"' in page.script, "the material follows")
+        self.set_live(page, "File", "b.obj")
+        wait_until(lambda: 'file: "b.obj"' in page.script, "the file follows")
+        self.until_final(page)
+        self.assertEqual([], page.state["problems"])
+        # What is typed into one field is one step of undo.
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Z", 5)
+        self.assertEqual(moved, page.script)
+        page.press("Ctrl-Z")
+        self.assertEqual(MODEL_SCENE, page.script)
+        page.click_on('.panel-models [role="option"]', "a.obj")
+        wait_until(lambda: page.evaluate(f"{self.live(page, 'Position y')}?.value") == "0", "the fields are those of the text again")
+        # What is wrong is told and not set.
+        for label, wrong, right in (("File", "c.obj", "a.obj"), ("Position y", "x", "0"), ("Scale", "-1", "2")):
+            self.set_live(page, label, wrong)
+            wait_until(lambda: page.has(".panel-properties .fields .why", "expected"), f"{label}: {wrong} is wrong")
+            self.set_live(page, label, right)
+            wait_until(lambda: not page.has(".panel-properties .fields .why"), f"{label} is right again")
+        page.wait_for_frames()
+        self.assertEqual(MODEL_SCENE, page.script)
+
+    def test_a_model_that_gets_a_transform_of_its_own_stays_the_selected_one(self):
+        self.scene("part.x3dv", "#X3D V3.3 utf8\nPROFILE Immersive\nShape { geometry Sphere { } }\n")
+        self.scene("scene.x3dv", '#X3D V3.3 utf8\nPROFILE Immersive\nInline { url "part.x3dv" }\n')
+        page = self.begin(scene=False, file="scene.x3dv")
+        page.click_on('[role="tab"]', "Models")
+        page.click_on('.panel-models [role="option"]', "part.x3dv")
+        page.click_on('[role="tab"]', "Properties")
+        self.set_live(page, "Position x", "1.25")
+        wait_until(lambda: "translation 1.25 0 0" in page.script, "all that was typed is in the text")
+        page.click_on('.panel-properties input[aria-label="Flip y"]')
+        wait_until(lambda: "scale 1 -1 1" in page.script, "it is set further")
+        self.assertEqual(1, page.script.count("Transform"))
+        self.until_final(page)
+
     def test_a_bare_model_is_opened_as_a_scene_that_places_it(self):
         (self.opened / "a.obj").write_text(TRIANGLE)
         for _ in range(2):

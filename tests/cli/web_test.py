@@ -16,7 +16,8 @@ import browser
 import scenes
 from png import read_png
 from service_test import LOAD, TILES, ServiceTest
-from tessera_process import PATIENCE, SLOWER, TesseraTest, wait_until
+from studio_client import Studio
+from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, wait_until
 
 
 class WebTest(ServiceTest):
@@ -102,7 +103,8 @@ class Api(WebTest):
         self.spp += 1
         waiting = self.submit("--name", "none")
         self.assertEqual(404, self.get(f"/api/v1/jobs/{waiting}/picture.png")[0])
-        self.assertEqual(200, self.get(f"/api/v1/jobs/{waiting}/scene.tesserab")[0])
+        for form in ("tessera", "tesserab"):
+            self.assertEqual(200, self.get(f"/api/v1/jobs/{waiting}/scene.{form}")[0], form)
         self.stop(service)
 
     def test_orders(self):
@@ -310,11 +312,20 @@ class Page(WebTest):
         page.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(saved))
         wait_until(lambda: not page.evaluate("document.querySelector('#save-scene').hidden"), "it can be saved")
         page.click("#save-scene")
-        wait_until((saved / f"job-{first}.tesserab").exists, "the scene is saved")
-        self.assertIn(f"tessera studio job-{first}.tesserab", page.text("#open-scene"))
+        wait_until((saved / f"job-{first}.tessera").exists, "the scene is saved")
+        self.assertIn(f"tessera studio job-{first}.tessera", page.text("#open-scene"))
         digests = [json.loads(self.run_program("info", scene, "--json").out)["scene"]
-                   for scene in (self.scene, saved / f"job-{first}.tesserab")]
+                   for scene in (self.scene, saved / f"job-{first}.tessera")]
         self.assertEqual(digests[0], digests[1])
+        # It opens as a text that can be changed.
+        own = {name: str(self.folder / name) for name in ("XDG_STATE_HOME", "XDG_CONFIG_HOME")}
+        with Studio(PROGRAM, saved, "--workers", "1", env={**self.environment(), **own}) as studio:
+            opened = studio.connect()
+            opened.say("open", file=f"job-{first}.tessera")
+            document = opened.receive("document")
+            self.assertTrue(document["editable"], document)
+            self.assertIn('name: "mirror"', document["text"])
+            opened.close()
         self.assertEqual([], page.complaints)
         self.stop(service, worker)
 

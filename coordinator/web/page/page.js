@@ -291,8 +291,8 @@ function showJob(job, frame) {
   const name = `job-${job.id}${job.frames_total > 1 ? `-frame-${frame + 1}` : ""}`;
   byId("save-picture").href = `${API}jobs/${job.id}/picture.png?frame=${frame}`;
   byId("save-picture").download = `${name}.png`;
-  byId("save-scene").href = `${API}jobs/${job.id}/scene.tesserab?frame=${frame}`;
-  byId("save-scene").download = `${name}.tesserab`;
+  byId("save-scene").href = `${API}jobs/${job.id}/scene.tessera?frame=${frame}`;
+  byId("save-scene").download = `${name}.tessera`;
 }
 
 /// The jobs of as many pixels, whose pictures can be compared.

@@ -28,10 +28,13 @@ export function followCaret(): void {
     const shown = documents.active();
     const view = documents.editorView();
     if (!outline || !view || !shown || shown.file !== outline.file || shown.sync.version !== outline.version) return;
-    // Where nobody types and nothing was gone to, what was selected stays.
-    if (!view.hasFocus && !takeRevealed()) return;
     const { from, to } = view.state.selection.main;
-    const now = outline.entities.find((each) => each.id === state.selectedEntity.peek());
+    const id = state.selectedEntity.peek();
+    const now = outline.entities.find((each) => each.id === id);
+    // What an edit has put into another entity has another name: the cursor is still on it.
+    const isRenamed = id !== undefined && !now && from < to;
+    // Where nobody types and nothing was gone to, what was selected stays.
+    if (!view.hasFocus && !takeRevealed() && !isRenamed) return;
     if (now && now.from === from && now.to === to) return;
     const found = entityAt(outline.entities, from, to);
     if (found) state.selectedEntity.value = found.id;
@@ -63,6 +66,8 @@ interface Wish {
   gesture: string;
   /** Hears that the text has it. */
   made?: (() => void) | undefined;
+  /** Hears that the text has it, or that it was refused. */
+  answered?: (() => void) | undefined;
 }
 
 const ANSWER_MS = 1000;
@@ -78,15 +83,16 @@ export function beginGesture(): void {
 }
 
 /** At most one edit is under way; of those that wait and are of one gesture, the last one is made. */
-function want<K extends TextChanges>(kind: K, body: Omit<ToProgram[K], keyof OfText>, gesture: string = String(++gestures), file = state.outline.peek()?.file ?? state.sceneFile.peek(), made?: () => void): void {
+function want<K extends TextChanges>(kind: K, body: Omit<ToProgram[K], keyof OfText>, gesture: string = String(++gestures), file = state.outline.peek()?.file ?? state.sceneFile.peek(), hears: Pick<Wish, "made" | "answered"> = {}): void {
   if (file === undefined) return;
   if (documents.find(file)?.readOnly) {
     state.notify(state.welcome.peek()?.read_only ? `${file} is open for reading alone.` : `${file} is edited by another page: take it over first.`, "error");
+    hears.answered?.();
     return;
   }
   const last = wishes[wishes.length - 1];
   if (last?.gesture === gesture && last.file === file) wishes.pop();
-  wishes.push({ kind, file, body: body as Record<string, unknown>, gesture, made });
+  wishes.push({ kind, file, body: body as Record<string, unknown>, gesture, ...hears });
   sendWish();
 }
 
@@ -100,7 +106,9 @@ function sendWish(): void {
   const body = { file: next.file, base: document.sync.sentVersion, ...next.body } as ToProgram[TextChanges];
   if (!program.send(next.kind, body)) {
     state.notify("The change was not made: there is no connection to the program.", "error");
+    const dropped = [next, ...wishes];
     wishes = [];
+    for (const each of dropped) each.answered?.();
     return;
   }
   asked = next;
@@ -122,8 +130,10 @@ export function receiveChange(message: ToPage["change"]): void {
 
 /** The program has proposed the change, or refused it. */
 export function answered(): void {
+  const { answered: hears } = asked ?? {};
   asked = undefined;
   clearTimeout(timer);
+  hears?.();
   requestAnimationFrame(sendWish);
 }
 
@@ -186,13 +196,18 @@ export function place(file: string, entity: EntityId | undefined, placement: Pla
   want("place", { placement, ...(entity === undefined ? {} : { entity }) }, undefined, file);
 }
 
+/** The same, at once as it is typed: what is set in one gesture is one step of undo. */
+export function placeLive(file: string, entity: EntityId, placement: Placement, answered: () => void): void {
+  want("place", { placement, entity }, `${gestures} placement`, file, { answered });
+}
+
 /** Adds to an entity, as a step to a transform. */
 export function addTo(entity: EntityId, kind: string): void {
   want("add", { kind, entity });
 }
 
 export function writeCamera(camera: FreeCamera, name = "", made?: () => void): void {
-  want("write_camera", { camera, text: name }, undefined, state.sceneFile.peek(), made);
+  want("write_camera", { camera, text: name }, undefined, state.sceneFile.peek(), { made });
 }
 
 export function writeSettings(options: ToProgram["write_settings"]["options"]): void {

@@ -1,8 +1,10 @@
-// The models of a scene: the files that it places, and the one that a dialog is about.
+// The models of a scene: the files that it places, and the ones that a dialog and the Properties panel are about.
 
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
+import { isModel } from "./core/entities.js";
 import type { Entity, EntityId, FileEntry, Placement } from "./core/protocol.js";
 import { folderOf } from "./core/paths.js";
+import { placeLive, selected } from "./entities.js";
 import { ask } from "./questions.js";
 import * as state from "./state.js";
 
@@ -35,15 +37,62 @@ export function picturesFor(scene: string): string[] {
   return filesBeside(scene, ({ kind }) => kind === "picture");
 }
 
+async function wishOf(file: string, entity: Entity | undefined): Promise<ModelWish | undefined> {
+  const answer = await ask("placement", file, entity ? { entity: entity.id } : {});
+  return answer && { file, entity: entity?.id, placement: answer.placement, materials: answer.materials, locked: answer.locked };
+}
+
 /** Opens the dialog about an include, or about a new one of a file. */
 export async function openModel(entity: Entity | undefined, added = ""): Promise<void> {
   const file = state.outline.peek()?.file;
-  if (file === undefined) return;
-  const answer = await ask("placement", file, entity ? { entity: entity.id } : {});
-  if (!answer) return;
-  const { placement, materials, locked } = answer;
-  wished.value = {
-    file, entity: entity?.id, materials, locked,
-    placement: { ...placement, file: entity ? placement.file : added },
-  };
+  const wish = file === undefined ? undefined : await wishOf(file, entity);
+  if (!wish) return;
+  wished.value = entity ? wish : { ...wish, placement: { ...wish.placement, file: added } };
+}
+
+/** The model that is selected, as the Properties panel sets it: with what was typed, which the text may not have yet. */
+export const placed = signal<ModelWish | undefined>(undefined);
+/** Whether a change of it is under way, and what it is to become thereafter. */
+let isChanging = false;
+let next: Placement | undefined;
+
+/** Sets the placement of the selected model: one change at a time, since the first may give the model another name. */
+export function setPlaced(placement: Placement): void {
+  const { value: told } = placed;
+  if (!told) return;
+  placed.value = { ...told, placement };
+  next = placement;
+  changePlaced();
+}
+
+function changePlaced(): void {
+  const { value: told } = placed;
+  if (isChanging || !next || !told) return;
+  isChanging = true;
+  placeLive(told.file, told.entity!, next, () => void readPlaced());
+  next = undefined;
+}
+
+async function readPlaced(): Promise<void> {
+  const outline = state.outline.peek();
+  const entity = selected.peek();
+  const wish = outline && entity && isModel(entity) ? await wishOf(outline.file, entity) : undefined;
+  if (!wish || selected.peek()?.id !== wish.entity || state.outline.peek()?.file !== wish.file) return;
+  const { value: before } = placed;
+  const isAnother = before?.file !== wish.file || (before.entity !== wish.entity && outline!.entities.some((each) => each.id === before.entity));
+  if (isAnother) next = undefined;
+  placed.value = next ? { ...wish, placement: next } : wish;
+  isChanging = false;
+  changePlaced();
+}
+
+/** The program is asked how the selected model is placed, anew for each text. */
+export function followPlaced(): void {
+  effect(() => {
+    const entity = selected.value;
+    void state.outline.value;
+    if (state.connection.value !== "open") return;
+    if (entity && !isModel(entity)) placed.value = undefined;
+    void readPlaced();
+  });
 }

@@ -177,7 +177,7 @@ class Session {
       this.say("job", { pane: 0, serial, file, version, scale: 1, samples: 16, width: 0, height: 0, state: "done", stale: { as_of: Date.now(), why: `line ${lines.length}: no such field` } });
       return;
     }
-    this.say("summary", { file, version, digest: createHash("sha1").update(text).digest("hex"), counts: [["objects", 4], ["lights", 2], ["materials", 3]], unused: [], cameras: [{ name: "main", eye: [3, 2, 5], target: [0, 0.8, 0], up: [0, 1, 0], fov: 40 }], size: [320, 180], samples: 16, integrator: "path", bounds: [[-1, 0, -1], [1, 2, 1]] });
+    this.say("summary", { file, version, digest: createHash("sha1").update(text).digest("hex"), counts: [["objects", 4], ["lights", 2], ["materials", 3]], cameras: [{ name: "main", eye: [3, 2, 5], target: [0, 0.8, 0], up: [0, 1, 0], fov: 40 }], size: [320, 180], samples: 16, integrator: "path", bounds: [[-1, 0, -1], [1, 2, 1]] });
     this.say("outline", { file, version, entities: this.entities(file) });
     this.render();
   }

@@ -252,7 +252,6 @@ export interface Summary {
   version: number;
   digest: string;
   counts: [what: string, count: number][];
-  unused: string[];
   cameras: (SceneCamera | string)[];
   size?: [number, number];
   samples?: number;

@@ -19,7 +19,7 @@ function key(event: KeyboardEvent, entity: Entity): void {
   event.preventDefault();
 }
 
-function Adder() {
+function Orders({ chosen }: { chosen: Entity | undefined }) {
   const file = state.outline.value?.file ?? "";
   const take = (use: (name: string) => void) => () => {
     use(adding.peek());
@@ -40,6 +40,7 @@ function Adder() {
       >
         New scene
       </button>
+      <button type="button" disabled={!chosen} onClick={() => remove(chosen!)}>Delete</button>
     </div>
   );
 }
@@ -57,7 +58,7 @@ export function ModelsPanel() {
   const some = models.length > 0;
   return (
     <>
-      <Adder />
+      <Orders chosen={models.find((each) => each.id === state.selectedEntity.value)} />
       <div class="list" ref={list} role={some ? "listbox" : undefined} aria-label={some ? "Models of the scene" : undefined} onKeyDown={listKey}>
         {models.map((each, index) => (
           <div

@@ -52,7 +52,6 @@ function SceneSummary() {
         <span key={what}>{`${what}: ${count}`}</span>
       ))}
       {summary.bounds && <span>{`bounds: ${summary.bounds.map(placeWords).join(" to ")}`}</span>}
-      {(summary.unused ?? []).length > 0 && <span class="warning">unused: {summary.unused.join(", ")}</span>}
       {summary.digest && <span class="aside" title={summary.digest}>{summary.digest.slice(0, 12)}</span>}
     </div>
   );

@@ -1,9 +1,11 @@
 import { signal } from "@preact/signals";
-import { pathTo, titleOf } from "../core/entities.js";
+import { isModel, pathTo, titleOf } from "../core/entities.js";
 import type { Entity, Field } from "../core/protocol.js";
 import * as documents from "../documents.js";
-import { duplicate, remove, resetField, select, selected, setField } from "../entities.js";
+import { beginGesture, duplicate, remove, resetField, select, selected, setField } from "../entities.js";
+import { placed, setPlaced } from "../models.js";
 import * as state from "../state.js";
+import { PlacementFields } from "./placement_fields.js";
 import { expectedWords, isOdd, PropertyValue } from "./property_value.js";
 
 const hidesDefaults = signal(false);
@@ -105,6 +107,7 @@ export function PropertiesPanel() {
         <label class="aside"><input type="checkbox" checked={hidesDefaults.value} onChange={(event) => (hidesDefaults.value = event.currentTarget.checked)} /> what is set alone</label>
       </nav>
       <div class="scroll">
+        {isModel(entity) && placed.value && <PlacementFields wish={placed.value} begin={beginGesture} set={setPlaced} />}
         {shown.map((field) => <Property key={`${entity.id} ${field.name}`} entity={entity} field={field} />)}
         {isTold && shown.length === 0 && <p class="empty">It has no fields{fields.length > 0 ? " that are set" : ""}.</p>}
       </div>
