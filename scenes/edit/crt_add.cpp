@@ -8,6 +8,7 @@
 #include "scenes/edit/crt_outline.h"
 #include "scenes/edit/crt_words.h"
 #include "scenes/edit/edit_sequence.h"
+#include "scenes/edit/language_placement.h"
 #include "scenes/edit/layout.h"
 #include "scenes/edit/literal.h"
 #include "scenes/edit/message_edit.h"
@@ -98,12 +99,15 @@ Change write_crt_camera(const Outline& outline, std::string_view name, const Cam
   }
   if (pose.orthographic) return refuse("an orthographic camera", "a projection that CRT has");
   if (camera < 0) return refuse("a script without that camera", "a Camera { ... } to write");
-  if (!pose.axis.empty() && pose.axis != "vertical")
+  const Entity& asked = outline.entities()[static_cast<size_t>(camera)];
+  const std::string projection = written_text(asked, "projection", "pinhole");
+  const bool is_panorama = projection != "pinhole";
+  if (!is_panorama && !pose.axis.empty() && pose.axis != "vertical")
     return refuse(fmt::format("a field of view over the {} axis", pose.axis),
                   "the vertical one, as CRT has it");
   WrittenCamera there;
   std::optional<double> angle;
-  for (const Field& field : outline.entities()[static_cast<size_t>(camera)].fields) {
+  for (const Field& field : asked.fields) {
     const auto triple = read_triple(field.text);
     if (field.name == "position") there.eye = triple.value_or(Triple{NAN, NAN, NAN});
     if (field.name == "pointing") there.target = triple.value_or(Triple{NAN, NAN, NAN});
@@ -118,7 +122,8 @@ Change write_crt_camera(const Outline& outline, std::string_view name, const Cam
   if (numbers.eye) set("position", *numbers.eye);
   if (numbers.target) set("pointing", *numbers.target);
   constexpr double kSame = 1e-6;
-  if (pose.field_of_view && (!angle || std::abs(*angle - *pose.field_of_view) > kSame))
+  if (!is_panorama && pose.field_of_view &&
+      (!angle || std::abs(*angle - *pose.field_of_view) > kSame))
     set("fov", shortest_number(*pose.field_of_view, kSame));
   return sequence.finish();
 }

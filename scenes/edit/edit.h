@@ -64,12 +64,12 @@ Change add_include(const Outline& outline, std::string_view file,
 /// Makes the picture in the file the panorama that is the background, in place of whatever that is.
 Change set_panorama(const Outline& outline, std::string_view file);
 
-/// A camera as the studio's view has it. Lengths in the scene's unit, angles in degrees.
+/// A camera as the studio's view has it. Lengths in metres, angles in degrees.
 struct CameraPose {
   std::array<double, 3> eye{}, target{}, up{0, 1, 0};
-  std::optional<double> field_of_view;
-  std::string axis;                    ///< smaller, vertical, horizontal, larger; empty: as it is
-  std::optional<double> orthographic;  ///< the height of the window in place of an angle
+  std::optional<double> field_of_view;  ///< a panorama keeps its own
+  std::string axis;                     ///< smaller, vertical, horizontal, larger; empty: as it is
+  std::optional<double> orthographic;   ///< the height of the window in place of an angle
 };
 
 /// Gives the camera called `name`, or without a name the first one, this pose, in the shortest

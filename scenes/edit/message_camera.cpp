@@ -90,8 +90,7 @@ class CameraWriter {
     if (has(sequence_.now(), camera_, "orthographic")) reset("orthographic");
     if (!pose_.field_of_view) return;
     for (const char* const panorama : {"spherical", "cylindrical"})
-      if (has(sequence_.now(), camera_, panorama))
-        return number(std::string(panorama) + ".field_of_view", *pose_.field_of_view, 90);
+      if (has(sequence_.now(), camera_, panorama)) return;
     number("perspective.field_of_view", *pose_.field_of_view, 45);
     if (pose_.axis.empty()) return;
     std::string axis = pose_.axis;

@@ -13,6 +13,7 @@
 #include "scenes/edit/literal.h"
 #include "scenes/edit/message_edit.h"
 #include "scenes/edit/message_outline.h"
+#include "scenes/edit/x3d_units.h"
 #include "scenes/edit/x3d_words.h"
 #include "scenes/edit/xml_syntax.h"
 #include "scenes/formats/x3d/document/x3d_nodes.h"
@@ -212,7 +213,8 @@ Change set_xml_field(const Outline& outline, int entity, std::string_view name,
   if (!asked.name.empty() && std::any_of(asked.fields.begin(), asked.fields.end(),
                                          [](const Field& f) { return f.name == "USE"; }))
     return refuse(fmt::format("a use of '{}'", asked.name), "its definition", asked.range);
-  return counted(insert_attribute(outline, asked, describe_new(asked.type, name, value), value));
+  const Field field = in_units(describe_new(asked.type, name, value), x3d_units(outline));
+  return counted(insert_attribute(outline, asked, field, value));
 }
 
 Change reset_xml_field(const Outline& outline, int entity, std::string_view name) {
@@ -281,7 +283,10 @@ std::vector<EntityTemplate> xml_templates() {
           {"spot light", "SpotLight", {{"location", "0 5 0"}, {"direction", "0 -1 0"}}}};
 }
 
-Change add_xml(const Outline& outline, const EntityTemplate& made) {
+Change add_xml(const Outline& outline, const EntityTemplate& wanted) {
+  EntityTemplate made = wanted;
+  if (made.position)
+    for (double& each : *made.position) each /= x3d_units(outline).length;
   const X3dNodeType* type = find_x3d_node_type(made.type);
   if (!type) return refuse(made.type, "a node of X3D");
   if (is_classic(outline)) return add_classic(outline, made, *type);

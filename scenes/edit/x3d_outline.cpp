@@ -4,6 +4,7 @@
 
 #include "scenes/edit/message_outline.h"
 #include "scenes/edit/x3d_edit.h"
+#include "scenes/edit/x3d_units.h"
 #include "scenes/edit/x3d_words.h"
 #include "scenes/edit/xml_syntax.h"
 #include "scenes/formats/x3d/document/x3d_nodes.h"
@@ -21,7 +22,10 @@ std::string first_string(const std::string& value) {
 class XmlOutliner {
  public:
   XmlOutliner(std::string_view text, const SyntaxTree& tree, bool is_classic)
-      : text_(text), tree_(tree), is_classic_(is_classic) {}
+      : text_(text),
+        tree_(tree),
+        is_classic_(is_classic),
+        units_(x3d_units(text, tree, is_classic)) {}
 
   std::vector<Entity> run() {
     count_uses();
@@ -73,7 +77,7 @@ class XmlOutliner {
     const std::string value = is_string     ? unquote(words)
                               : is_classic_ ? std::string(words)
                                             : unescape_xml(words);
-    Field field = describe_x3d(entity.type, name, value);
+    Field field = in_units(describe_x3d(entity.type, name, value), units_);
     field.is_present = true;
     field.range = node.range;
     field.value = node.body;
@@ -98,6 +102,7 @@ class XmlOutliner {
   std::string_view text_;
   const SyntaxTree& tree_;
   bool is_classic_;
+  X3dUnits units_;
   std::map<std::string_view, int> uses_;
   std::vector<Entity> made_;
 };
@@ -111,6 +116,7 @@ std::vector<Entity> xml_entities(std::string_view text, const SyntaxTree& tree, 
 std::vector<Field> all_xml_fields(const Outline& outline, int entity) {
   const Entity& asked = outline.entities()[static_cast<size_t>(entity)];
   std::vector<Field> all = asked.fields;
+  const X3dUnits units = x3d_units(outline);
   const X3dNodeType* type = find_x3d_node_type(asked.type);
   std::string_view rest = type ? type->fields : std::string_view{};
   while (!rest.empty()) {
@@ -119,7 +125,7 @@ std::vector<Field> all_xml_fields(const Outline& outline, int entity) {
     rest.remove_prefix(blank == std::string_view::npos ? rest.size() : blank + 1);
     bool is_there = name.empty();
     for (const Field& field : asked.fields) is_there |= field.name == name;
-    if (!is_there) all.push_back(describe_x3d(asked.type, name, ""));
+    if (!is_there) all.push_back(in_units(describe_x3d(asked.type, name, ""), units));
   }
   return all;
 }

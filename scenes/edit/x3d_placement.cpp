@@ -8,6 +8,7 @@
 #include "scenes/edit/message_edit.h"
 #include "scenes/edit/x3d_edit.h"
 #include "scenes/edit/x3d_rotation.h"
+#include "scenes/edit/x3d_units.h"
 #include "scenes/edit/x3d_words.h"
 #include "scenes/edit/xml_syntax.h"
 
@@ -34,21 +35,6 @@ int placing_transform(const Outline& outline, int entity) {
   for (int32_t k = tree[static_cast<int32_t>(holder.syntax)].first_child; k >= 0; k = tree[k].next)
     if (xml_part(tree[k]) != XmlPart::attribute) ++held;
   return held == 1 ? above : -1;
-}
-
-/// Whether the document measures angles in another unit than radians.
-bool has_angle_unit(const Outline& outline) {
-  for (const Entity& entity : outline.entities())
-    if (entity.type == "unit" && written_text(entity, "category") == "angle") return true;
-  if (outline.language() != Language::classic_x3d) return false;
-  // The statement is a line that the outline leaves out.
-  const std::string& text = outline.text();
-  for (uint32_t at = byte_order_mark_size(text); at < text.size(); at = next_line(text, at)) {
-    const auto words = number_words(text, {at, line_end(text, at)});
-    if (words.size() > 1 && text_of(text, words[0]) == "UNIT" && text_of(text, words[1]) == "angle")
-      return true;
-  }
-  return false;
 }
 
 /// What holds the Inline and is used elsewhere, too, where any change inside of it would show. A
@@ -109,7 +95,7 @@ std::string lock_of(const Outline& outline, int entity) {
   if (const Entity* const shared = shared_holder(outline, entity))
     return fmt::format("'{}' around it is used in other places, which would change, too",
                        shared->name);
-  if (has_angle_unit(outline)) return "the document has a unit of its own for angles";
+  if (x3d_units(outline).angle != 1) return "the document has a unit of its own for angles";
   return "";
 }
 

@@ -75,7 +75,7 @@ std::array<std::string, 3> shown_euler(const Affine& wanted, double tolerance) {
 
 }  // namespace
 
-std::optional<AxisAngle> read_axis_angle(std::string_view text) {
+std::optional<AxisAngle> read_axis_angle(std::string_view text, double unit) {
   const auto words = number_words(text, {0, static_cast<uint32_t>(text.size())});
   AxisAngle turn{};
   if (words.size() != turn.size()) return {};
@@ -84,6 +84,7 @@ std::optional<AxisAngle> read_axis_angle(std::string_view text) {
     if (!number) return {};
     turn[i] = *number;
   }
+  turn[3] *= unit;
   return turn;
 }
 
@@ -119,15 +120,15 @@ Affine rotation_of(const AxisAngle& turn) {
   return length(axis) > 0 ? rotation(axis, turn[3]) : Affine{};
 }
 
-std::string written_axis_angle(const AxisAngle& turn,
+std::string written_axis_angle(const AxisAngle& turn, double unit,
                                const std::function<bool(const std::string&)>& is_enough) {
   const Affine wanted = rotation_of(turn);
   std::string text;
   for (double tolerance = kSameRotation; tolerance > kFinest; tolerance /= kFiner) {
     text.clear();
-    for (const double number : turn)
-      text += (text.empty() ? "" : " ") + shortest_number(number, tolerance);
-    const auto read = read_axis_angle(text);
+    for (size_t i = 0; i < 3; ++i) text += shortest_number(turn[i], tolerance) + " ";
+    text += shortest_number(turn[3] / unit, tolerance / unit);
+    const auto read = read_axis_angle(text, unit);
     if (read && rotation_difference(wanted, rotation_of(*read)) <= kSameRotation &&
         (!is_enough || is_enough(text)))
       break;
@@ -169,7 +170,7 @@ std::string written_degrees(const std::array<std::string, 3>& degrees) {
   AxisAngle turn{};
   turn[*axis] = 1;
   turn[3] = portable::radians(numbers[*axis]);
-  return written_axis_angle(turn, [&](const std::string& text) {
+  return written_axis_angle(turn, 1, [&](const std::string& text) {
     constexpr double kSameDegrees = 1e-11;
     const auto shown = shown_degrees(text);
     return shown && std::abs(numbers_of(*shown)[*axis] - numbers[*axis]) <= kSameDegrees;

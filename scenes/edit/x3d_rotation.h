@@ -16,15 +16,16 @@ using AxisAngle = std::array<double, 4>;
 /// Rotations are the same where no entries of their matrices are farther apart.
 inline constexpr double kSameRotation = 1e-6;
 
-/// Nothing where the text has not four numbers.
-std::optional<AxisAngle> read_axis_angle(std::string_view text);
+/// Nothing where the text has not four numbers. `unit`: that of its angle, in radians.
+std::optional<AxisAngle> read_axis_angle(std::string_view text, double unit = 1);
 AxisAngle axis_angle(const Affine& rotation);
 Affine rotation_of(const AxisAngle& turn);
 /// The largest difference of two entries.
 double rotation_difference(const Affine& a, const Affine& b);
 
-/// The shortest numbers that are the same rotation and that `is_enough` accepts; without it any.
-std::string written_axis_angle(const AxisAngle& turn,
+/// The shortest numbers, with the angle in that unit, that are the same rotation and that
+/// `is_enough` accepts; without it any.
+std::string written_axis_angle(const AxisAngle& turn, double unit = 1,
                                const std::function<bool(const std::string&)>& is_enough = {});
 
 /// A rotation's text as degrees about x, y and z, the last turning first: in the shortest numbers

@@ -192,14 +192,17 @@ TEST(StudioEdit, RemovesFromCrtWithoutTrace) {
 
 TEST(StudioEdit, WritesTheCameraOfEveryCrtSample) {
   for (const SampleText& sample : samples(".crt")) {
-    const CameraPose pose{{1.23456789, 2, -7.5}, {1.0 / 3, .5, 0}, {0, 1, 0}, 41.25, "", {}};
+    CameraPose pose{{1.23456789, 2, -7.5}, {1.0 / 3, .5, 0}, {0, 1, 0}, 41.25, "", {}};
+    // As the view tells it of a panorama, which has none.
+    if (!read(sample.text).scene.cameras(0).has_perspective()) pose.axis = "smaller";
     const Outline outline = crt_text(sample.text);
     const std::string made = applied(outline, write_camera(outline, "", pose));
-    const v1::Camera camera = read(made).scene.cameras(0);
-    const double angle = camera.has_spherical()     ? camera.spherical().field_of_view()
-                         : camera.has_cylindrical() ? camera.cylindrical().field_of_view()
-                                                    : camera.perspective().field_of_view();
-    EXPECT_EQ(angle, 41.25);
+    const v1::Camera camera = read(made).scene.cameras(0),
+                     before = read(sample.text).scene.cameras(0);
+    EXPECT_EQ(camera.perspective().field_of_view(), camera.has_perspective() ? 41.25 : 0);
+    // A panorama keeps its angle.
+    EXPECT_EQ(camera.spherical().field_of_view(), before.spherical().field_of_view());
+    EXPECT_EQ(camera.cylindrical().field_of_view(), before.cylindrical().field_of_view());
     for (int row = 0; row < 3; ++row)
       EXPECT_NEAR(camera.world_from_camera().steps(0).matrix().rows(row * 4 + 3),
                   pose.eye[static_cast<size_t>(row)], 1e-6);

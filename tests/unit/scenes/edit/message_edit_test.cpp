@@ -249,6 +249,11 @@ TEST(StudioEdit, WritesACamera) {
       "cameras { name: 'a' world_from_camera { steps { look_at { eye { y: 1.0 z: 5.0 } target { "
       "y: 0.333333 } } } } perspective { field_of_view: 40.0 } }");
   EXPECT_FALSE(write_camera(there, "b", pose).is_made());
+  const Outline panorama = tessera_text("cameras { spherical { } }");
+  EXPECT_EQ(
+      applied(panorama,
+              write_camera(panorama, "", {{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 45.0, "smaller", {}})),
+      "cameras { world_from_camera { steps { look_at { target { z: -1 } } } } spherical { } }");
   pose.field_of_view = -1;
   EXPECT_FALSE(write_camera(there, "a", pose).is_made());
 }

@@ -171,6 +171,70 @@ RC_GTEST_PROP(StudioEdit, WritesTheViewpointOfAnX3dText, ()) {
   RC_ASSERT(write_camera(x3d_text(made), "", pose).edits.empty());
 }
 
+/// Of the frame of the camera that the text has first: its eye, and the directions of its axes.
+std::array<Vec3, 4> first_frame(const std::string& text, Language language) {
+  const char* const name = language == Language::x3d ? "made.x3d" : "made.x3dv";
+  const Affine frame = to_affine(parse_x3d(text, name, {}).scene.cameras(0).world_from_camera());
+  return {frame(Point3{}) - Point3{}, normalize(frame(Vec3{1, 0, 0})),
+          normalize(frame(Vec3{0, 1, 0})), normalize(frame(Vec3{0, 0, 1}))};
+}
+
+TEST(StudioEdit, WritesTheCameraOfEveryX3dSampleWhateverItMeasuresIn) {
+  for (const auto& [ending, language] :
+       {std::pair{".x3d", Language::x3d}, std::pair{".x3dv", Language::classic_x3d}}) {
+    for (const SampleText& sample : samples(ending)) {
+      SCOPED_TRACE(sample.name);
+      CameraPose pose{{1, 2, 3}, {0, 0.5, 0}, {0, 1, 0}, 40.0, "", {}};
+      Outline made = outline(language, sample.text);
+      const bool is_window =
+          parse_x3d(sample.text, sample.name, {}).scene.cameras(0).has_orthographic();
+      if (is_window) pose.orthographic = 5;
+      const std::string text = applied(made, write_camera(made, "", pose));
+      const Affine wanted = look_at({1, 2, 3}, {0, .5, 0}, {0, 1, 0});
+      const auto got = first_frame(text, language);
+      EXPECT_LT(length(got[0] - Vec3{1, 2, 3}), 1e-5);
+      EXPECT_LT(length(got[1] - wanted(Vec3{1, 0, 0})), 1e-5);
+      EXPECT_LT(length(got[3] - wanted(Vec3{0, 0, 1})), 1e-5);
+      const v1::Camera camera = parse_x3d(text, sample.name, {}).scene.cameras(0);
+      if (is_window) {
+        EXPECT_EQ(camera.orthographic().max_y(), 2.5);
+        EXPECT_EQ(camera.orthographic().min_x(), -2.5);
+      } else {
+        EXPECT_NEAR(camera.perspective().field_of_view(), 40, 1e-5);
+      }
+      made = outline(language, text);
+      EXPECT_TRUE(write_camera(made, "", pose).edits.empty());
+    }
+  }
+}
+
+TEST(StudioEdit, FindsAViewpointByTheNameThatTheReaderGivesIt) {
+  const Outline made = x3d_text(
+      "<X3D version='4.0'><Scene><Viewpoint DEF='a' description='b'/><Viewpoint description='c'/>"
+      "</Scene></X3D>");
+  const CameraPose pose{{1, 2, 3}, {0, 0.5, 0}, {0, 1, 0}, {}, "", {}};
+  const std::string text = applied(made, write_camera(made, "c", pose));
+  EXPECT_NE(text.find("<Viewpoint description='c' position='1 2 3'"), std::string::npos) << text;
+  EXPECT_FALSE(write_camera(made, "b", pose).is_made());
+}
+
+TEST(StudioEdit, PlacesAndLimitsInTheUnitsOfTheDocument) {
+  const std::string head =
+      "<X3D version='3.3'><head><unit category='length' name='inch' "
+      "conversionFactor='0.5'/><unit category='angle' name='degree' "
+      "conversionFactor='0.0174532925'/></head><Scene><Viewpoint fieldOfView='36'/></Scene></X3D>";
+  const Outline made = x3d_text(head);
+  const int viewpoint = 4;
+  EXPECT_NE(applied(made, set_field(made, viewpoint, "fieldOfView", "40")).find("'40'"),
+            std::string::npos);
+  for (const Field& field : all_fields(made, viewpoint)) {
+    EXPECT_NE(field.unit, "m") << field.name;
+    EXPECT_NE(field.unit, "rad") << field.name;
+  }
+  const std::string placed = applied(made, add_include(made, "a.x3d", {{1, 2, 3}}));
+  EXPECT_NE(placed.find("'2 4 6'"), std::string::npos) << placed;
+}
+
 RC_GTEST_PROP(SourceMap, RangesOfDamagedX3dNest, ()) {
   const auto all = samples(".x3d");
   std::string text = all[*rc::gen::inRange<size_t>(0, all.size())].text;
