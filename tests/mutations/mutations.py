@@ -336,7 +336,7 @@ MUTATIONS = [
              "if (!scheduler.accepts(band.lease(), band.opening() == options_.opening, worker.id)) {",
              "if (false) {", "coordinator_test", "*OnlyUnderALease*:ServiceTest.*"),
     Mutation("farm: an old coordinator's lease passes for ours", "coordinator/tiles/tile_scheduler.cpp",
-             "if (!rules_.adopts || lease >> kTagShift == opening_tag()) return false;", "",
+             "if (!rules_.adopts || is_own(lease)) return false;", "",
              "coordinator_test", "ServiceTest.*:TileScheduler*"),
     Mutation("farm: a frame's number is its name", "coordinator/worker_service.cpp",
              "return job && job->frame_id() == frame_id ? job : nullptr;", "return job && (job->frame_id() == frame_id || true) ? job : nullptr;",
