@@ -94,12 +94,13 @@ AxisAngle axis_angle(const Affine& f) {
   const double sine = length(axis) / 2, cosine = (trace - 1) / 2;
   const double angle = std::atan2(sine, cosine);
   if (sine < 1e-4 && cosine < 0) {
-    // About half a turn, where the axis is in the symmetric part.
+    // About half a turn, where the axis is in the symmetric part: cosine I + (1 - cosine) a a'.
     size_t best = 0;
     for (size_t i = 1; i < 3; ++i)
       if (f.m[i][i] > f.m[best][best]) best = i;
-    Vec3 column{f.m[0][best], f.m[1][best], f.m[2][best]};
-    column[static_cast<int>(best)] += 1;
+    Vec3 column;
+    for (size_t i = 0; i < 3; ++i)
+      column[static_cast<int>(i)] = (f.m[i][best] + f.m[best][i]) / 2 - (i == best ? cosine : 0);
     if (dot(column, axis) < 0) column = -column;
     axis = column;
   }

@@ -1,4 +1,7 @@
 #include "scenes/edit/x3d_rotation.h"
+
+#include <numbers>
+
 #include "scenes/formats/x3d/x3d_reader.h"
 #include "scenes/import/to_affine.h"
 #include "tests/unit/scenes/edit/placement_testing.h"
@@ -38,6 +41,15 @@ std::string fault_in(const Frame& frame, const std::string& body, const Placemen
 
 const std::string kInline = "<Inline url='\"a.obj\"'/>", kNode = "Inline { url \"a.obj\" }";
 const Placement kNone{.file = "a.obj", .material = ""};
+
+TEST(StudioEdit, TheAxisOfAboutHalfATurnIsExact) {
+  for (const double less : {0., 1e-9, 1e-6, 3e-5, 9e-5, 1.1e-4, 1e-2}) {
+    for (const Vec3& axis : {Vec3{1, 2, -3}, Vec3{0, 0, 1}, Vec3{-1, 1e-3, 0}}) {
+      const Affine wanted = rotation(normalize(axis), std::numbers::pi - less);
+      EXPECT_LE(rotation_difference(wanted, rotation_of(axis_angle(wanted))), 1e-11) << less;
+    }
+  }
+}
 
 TEST(X3dPlacement, IsReadFromItsTransform) {
   const WrittenPlacement some = read_in(
