@@ -18,6 +18,7 @@ Json json_of(const SourceLink& link) {
   Json json{{"kind", link.kind}, {"name", link.name}};
   if (!link.file.empty()) json["file"] = link.file;
   if (!link.entity.empty()) json["entity"] = link.entity;
+  if (link.version != 0) json["version"] = link.version;
   if (link.begin && link.end) {
     json["line"] = link.begin->line;
     json["column"] = link.begin->column;

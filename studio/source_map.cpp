@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 struct SourceMap::File {
   std::string name;
+  uint64_t version = 0;  ///< of an open document
   std::optional<Document> document;
   std::optional<edit::Outline> outline;
   std::optional<EntityIds> ids;
@@ -32,6 +33,7 @@ struct SourceMap::File {
             .name = found.name.empty() ? found.type : found.name,
             .file = name,
             .entity = ids->of(entity),
+            .version = version,
             .begin = position(found.range.begin),
             .end = position(found.range.end)};
   }
@@ -60,6 +62,7 @@ SourceMap::File& SourceMap::file(uint32_t number) {
   if (const auto open = reading_->texts.find(known->name);
       open != reading_->texts.end() && open->second.is_editable()) {
     known->document = open->second;
+    known->version = open->second.version();
   } else {
     const InputRoots roots(reading_->roots);
     try {

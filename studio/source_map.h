@@ -29,6 +29,7 @@ struct SourceLink {
   std::string name{};    ///< or else its type
   std::string file{};    ///< below the folder, or, elsewhere, as the system has it
   std::string entity{};  ///< as the file's outline calls it; empty: it has none
+  uint64_t version = 0;  ///< of the text, where it is an open document; else 0
   std::optional<TextPosition> begin{}, end{};
   friend bool operator==(const SourceLink&, const SourceLink&) = default;
 };

@@ -46,6 +46,20 @@ class Pick(StudioPageTest):
         page.click_at(*self.on_picture(page, .38, .5))
         self.until_selected(page, "scene.tessera", 3)  # what is picked is a material until another kind is
 
+    def test_a_click_on_an_older_picture_selects_its_text_where_that_is_now(self):
+        page = self.begin()
+        self.write_at(page, 1, "nodes { shape { oops } }\n# a line\n", end=False)
+        self.until(page, lambda state: state["picture"]["stale"], "the picture is older than the text, which is wrong")
+        page.click_at(*self.on_picture(page, .38, .5))
+        state = self.until_selected(page, "scene.tessera", 6)
+        self.assertEqual((10, 2), (state["selection"]["endLine"], state["selection"]["endColumn"]))
+        self.until(page, lambda state: state["selection"]["entity"] == "nodes[2]", "the ball is another entity by now")
+        wait_until(lambda: self.outlined(page, "selected") == 1, "the ball is outlined")
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Home")
+        self.until(page, lambda state: state["selection"]["entity"] == "nodes[0]", "what was typed is selected")
+        wait_until(lambda: self.outlined(page, "selected") == 0, "which the picture does not show")
+
     def test_a_late_answer_to_a_click_leaves_the_cursor_where_it_was_put_since(self):
         page = self.begin()
         self.running.process.send_signal(signal.SIGSTOP)

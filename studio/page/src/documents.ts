@@ -15,7 +15,7 @@ import * as state from "./state.js";
 import { showScene } from "./view/scenes.js";
 
 export { connectionLost, editRefused, flush, greeting, isUntouched, receiveChange, receiveEdited, reopen, settle } from "./exchange.js";
-export { noteCaret, reveal, revealPending, setScroll } from "./reveal.js";
+export { noteCaret, reveal, revealPending, revealPlace, setScroll } from "./reveal.js";
 export { keepMine, loadTheirs, postponeDraft, receiveDisk, receiveDraft, receiveSaved, recover, save, saveRefused } from "./saving.js";
 
 export interface OpenDocument {

@@ -2,25 +2,28 @@
 
 import type { ChangeSet, EditorState, StateEffect } from "@codemirror/state";
 import type { EditorView } from "@codemirror/view";
+import { rangeNow, type TextPlace } from "./core/text_place.js";
 import * as documents from "./documents.js";
 import * as state from "./state.js";
 
 /** Puts the cursor at a place, in the middle of the editor. The view stays: the place may be in what its scene includes. */
 export function reveal(file: string, line: number, column: number, endLine = line, endColumn = column, focus = true): void {
-  if (!documents.find(file)) {
-    revealing = { file, line, column, endLine, endColumn, focus };
+  revealPlace(file, { line, column, end_line: endLine, end_column: endColumn }, focus);
+}
+
+/** The same of a place that was told of: what was typed since has moved it. One in a version that is not known any more is left. */
+export function revealPlace(file: string, place: TextPlace, focus: boolean): void {
+  const document = documents.find(file);
+  if (!document) {
+    revealing = { file, place, focus };
     documents.open(file, false);
     return;
   }
   documents.activate(file, false);
   const view = documents.editorView();
-  if (!view) return;
-  const at = (l: number, c: number) => {
-    const { from, to } = view.state.doc.line(Math.min(Math.max(1, l), view.state.doc.lines));
-    return Math.min(from + Math.max(0, c - 1), to);
-  };
-  const anchor = at(line, column);
-  const head = at(endLine, endColumn);
+  const range = rangeNow(document.sync, place);
+  if (!view || !range) return;
+  const [anchor, head] = range.map((each) => Math.min(each, view.state.doc.length)) as [number, number];
   revealed = true;
   view.dispatch({ selection: { anchor, head }, effects: scrollTo(anchor) });
   if (focus) view.focus();
@@ -33,7 +36,7 @@ export function revealCursor(): void {
 }
 
 /** A place of a file that is still being opened. */
-let revealing: { file: string; line: number; column: number; endLine: number; endColumn: number; focus: boolean } | undefined;
+let revealing: { file: string; place: TextPlace; focus: boolean } | undefined;
 let scrollTo: (position: number) => StateEffect<unknown>;
 
 export function setScroll(effect: typeof scrollTo): void {
@@ -42,9 +45,9 @@ export function setScroll(effect: typeof scrollTo): void {
 
 export function revealPending(file: string): void {
   if (revealing?.file !== file) return;
-  const { line, column, endLine, endColumn, focus } = revealing;
+  const { place, focus } = revealing;
   revealing = undefined;
-  reveal(file, line, column, endLine, endColumn, focus);
+  revealPlace(file, place, focus);
 }
 
 /** Selects what was added, without the blanks around it. */

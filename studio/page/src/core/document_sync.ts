@@ -1,12 +1,17 @@
 // What the program has of a text, and what is under way to it. Every edit makes the next version, so that a key
 // is neither lost nor doubled, whichever side goes away when.
 
-import { ChangeSet, Text } from "@codemirror/state";
+import { type ChangeDesc, ChangeSet, Text } from "@codemirror/state";
 import type { Change } from "./protocol.js";
+
+/** So many versions before the acknowledged one are remembered. */
+const MOST_PAST = 2000;
 
 export class DocumentSync {
   /** The last version that the program is known to have. */
   private acknowledged: { version: number; text: Text };
+  /** The versions right before that one, the newest last, and what was changed in each. */
+  private past: { text: Text; changes: ChangeSet }[] = [];
   private sent: ChangeSet[] = [];
   private pending: ChangeSet | undefined;
 
@@ -59,19 +64,35 @@ export class DocumentSync {
   /** The program has this version. */
   acknowledge(version: number): void {
     while (this.acknowledged.version < version && this.sent.length > 0) {
-      const text = this.sent.shift()!.apply(this.acknowledged.text);
-      this.acknowledged = { version: this.acknowledged.version + 1, text };
+      this.advance(this.sent.shift()!);
     }
   }
 
   /** Follows a text that another page edits. */
   follow(changes: ChangeSet): void {
     if (!this.settled) return;
-    this.acknowledged = { version: this.acknowledged.version + 1, text: changes.apply(this.acknowledged.text) };
+    this.advance(changes);
+  }
+
+  private advance(changes: ChangeSet): void {
+    const { version, text } = this.acknowledged;
+    this.past.push({ text, changes });
+    if (this.past.length > MOST_PAST) this.past.shift();
+    this.acknowledged = { version: version + 1, text: changes.apply(text) };
+  }
+
+  /** The text of a version, and all that was changed since; nothing where that is not known any more. */
+  since(version: number): { text: Text; changes: ChangeDesc } | undefined {
+    const steps = [...this.past.map((each) => each.changes), ...this.sent, ...(this.pending ? [this.pending] : [])];
+    const texts = [...this.past.map((each) => each.text), ...this.versionsPassed(), ...(this.pending ? [this.text()] : [])];
+    const at = this.past.length + version - this.acknowledged.version;
+    const text = texts[at];
+    return text && { text, changes: steps.slice(at).reduce<ChangeDesc>((all, each) => all.composeDesc(each), ChangeSet.empty(text.length)) };
   }
 
   /** After a loss the program has the acknowledged text, as `version`: all that came after it is pending again. */
   resume(version: number): void {
+    if (version !== this.acknowledged.version) this.past = [];
     this.acknowledged = { version, text: this.acknowledged.text };
     for (const changes of this.sent.splice(0).reverse()) {
       this.pending = this.pending ? changes.compose(this.pending) : changes;
@@ -95,6 +116,7 @@ export class DocumentSync {
     const local = this.localChanges();
     const base = this.acknowledged.text;
     this.acknowledged = { version, text };
+    this.past = [];
     this.sent = [];
     if (keepMine) {
       const difference = differenceOf(text, mine);

@@ -464,6 +464,8 @@ export interface ChainLink {
   name?: string;
   file?: string;
   entity?: EntityId;
+  /** Of the text that the place is in, where that is open. */
+  version?: number;
   line?: number;
   column?: number;
   end_line?: number;

@@ -2,7 +2,10 @@
 
 import { computed, effect, signal } from "@preact/signals";
 import { eachRimPixel } from "../core/part_outline.js";
+import type { EntityId } from "../core/entities.js";
 import type { ChainLink, JobReport, ToPage } from "../core/protocol.js";
+import { rangeNow } from "../core/text_place.js";
+import * as documents from "../documents.js";
 import * as program from "../program.js";
 import * as state from "../state.js";
 import type { FromWorker } from "../worker/messages.js";
@@ -10,6 +13,17 @@ import type { FromWorker } from "../worker/messages.js";
 export type Parts = Extract<FromWorker, { kind: "parts" }>;
 
 const STILL_MS = 200;
+
+/** Whether a link of the outline's file is of that entity, which may be called otherwise since the picture was made. */
+function isOf(link: ChainLink, entity: EntityId): boolean {
+  const outline = state.outline.peek();
+  const sync = documents.find(link.file)?.sync;
+  const isOld = link.version !== undefined && link.version !== outline?.version;
+  if (!isOld || !sync || outline?.version !== sync.version || link.line === undefined) return link.entity === entity;
+  const found = outline.entities.find((each) => each.id === entity);
+  const range = rangeNow(sync, { ...link, line: link.line });
+  return range !== undefined && range[0] === found?.from && range[1] === found.to;
+}
 
 class PaneParts {
   readonly image = signal<Parts | undefined>(undefined);
@@ -35,8 +49,9 @@ class PaneParts {
     const numbers = new Set<number>();
     if (!picture || entity === undefined) return numbers;
     const { links, chains } = picture.table;
+    const isChosen = links.map((each) => each.file === file && isOf(each, entity));
     chains.forEach((chain, index) => {
-      if (chain.links.some((each) => links[each]!.entity === entity && links[each]!.file === file)) numbers.add(index + 1);
+      if (chain.links.some((each) => isChosen[each])) numbers.add(index + 1);
     });
     return numbers;
   });

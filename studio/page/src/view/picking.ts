@@ -74,7 +74,7 @@ function goTo(at: number, movesCursor = true): void {
   if (!link) return;
   if (link.entity !== undefined) state.selectedEntity.value = link.entity;
   if (movesCursor && link.file !== undefined && link.line !== undefined) {
-    documents.reveal(link.file, link.line, link.column ?? 1, link.end_line, link.end_column, false);
+    documents.revealPlace(link.file, { ...link, line: link.line }, false);
   }
 }
 
