@@ -14,12 +14,7 @@
 namespace tessera::edit {
 
 Change write_xml_camera(const Outline& outline, std::string_view name, const CameraPose& pose) {
-  int camera = -1;
-  for (size_t i = 0; i < outline.entities().size() && camera < 0; ++i) {
-    const Entity& entity = outline.entities()[i];
-    if (entity.type == "Viewpoint" && (name.empty() || entity.name == name))
-      camera = static_cast<int>(i);
-  }
+  int camera = find_camera(outline, name).value_or(-1);
   if (pose.orthographic) return refuse("an orthographic camera", "a perspective one");
   if (!pose.axis.empty() && pose.axis != "smaller")
     return refuse(fmt::format("a field of view over the {} axis", pose.axis),
@@ -35,6 +30,8 @@ Change write_xml_camera(const Outline& outline, std::string_view name, const Cam
   }
   sequence.keep(camera);
   const Entity& asked = sequence.now().entities()[static_cast<size_t>(camera)];
+  if (asked.type != "Viewpoint")
+    return refuse(fmt::format("the camera of {}", asked.type), "a Viewpoint", asked.range);
   for (int above = asked.parent; above > 0;
        above = sequence.now().entities()[static_cast<size_t>(above)].parent)
     if (sequence.now().entities()[static_cast<size_t>(above)].type == "Transform")

@@ -305,6 +305,33 @@ class Camera(StudioPageTest):
         self.assertNotEqual(other.rstrip(), lines[2])
         self.until_final(page)
 
+    def test_a_camera_without_a_name_is_chosen_and_written(self):
+        page = self.browser_page
+        other = "cameras { world_from_camera { steps { look_at { eye { x: 5 } target { } } } } }"
+        before = page.state
+        self.write_at(page, 2, "\n" + other)
+        self.until_final(page, before)
+        self.choose_camera(page, "camera 2")
+        chosen = self.until(page, lambda state: state["camera"]["eye"] == [5, 0, 0], "the other camera is seen through")
+        wait_until(lambda: page.has(".chip", "scene’s: camera 2"), "it is told")
+        self.until_final(page, before)
+        width, height, pixels = page.pixels()
+        page.press("Ctrl-S")
+        wait_until(lambda: self.saved() == page.script, "it is saved")
+        self.assert_same(self.rendered("scene.tessera", "--camera", 2, size=(width, height)), pixels)
+        page.click_on(".view-frame")
+        self.moved("an arrow", lambda: page.press("Left"))
+        text = page.script
+        page.press("F1")
+        page.type("Write camera")
+        page.press("Enter")
+        wait_until(lambda: page.script != text, "it is written")
+        self.until(page, lambda state: state["camera"]["mode"] == "scene" and state["camera"] != chosen["camera"],
+                   "the view sees through it")
+        lines = page.script.split("\n")
+        self.assertEqual(SCENE.split("\n")[1], lines[1], "the first camera stays")
+        self.assertNotEqual(other, lines[2])
+
     def test_the_picture_of_a_written_camera_is_that_of_render(self):
         page = self.browser_page
         cornell = (SAMPLES / "cornell.tessera").read_text()
@@ -397,6 +424,32 @@ class Numbers(StudioPageTest):
         state = self.until(page, lambda state: state["picture"]["samples"] == 9 and state["picture"]["final"], "9 samples")
         self.assertFalse(page.has(".view-options label.wrong"))
         self.assertEqual(9, state["view"]["samples"])
+
+
+    def test_camera_numbers_that_make_no_view_are_said_and_not_applied(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+
+        def type_in(label, text):
+            page.evaluate(f"""(() => {{ const field = [...document.querySelectorAll(".camera-fields label.number")].find((each) =>
+                each.textContent.startsWith({label!r})); field.querySelector("input").focus(); }})()""")
+            page.press("Ctrl-A")
+            page.type(text)
+
+        type_in("Up z", "0")
+        before = self.until(page, lambda state: state["camera"]["up"][2] == 0, "the camera is turned")["camera"]
+        for label, text, expected in (("Up y", "0", "an up that is not 0 0 0"), ("Eye z", "0", "not along the view")):
+            type_in(label, text)
+            wait_until(lambda: page.has(".camera-fields label.wrong .why", f"found {text}; expected "), f"{label} is wrong")
+            self.assertIn(expected, page.text(".camera-fields label.wrong .why"))
+            self.assertEqual(before, page.state["camera"])
+            page.press("Escape")
+            wait_until(lambda: not page.has(".camera-fields label.wrong"), "it is right again")
+        type_in("Eye y", "0")
+        moved = self.until(page, lambda state: state["camera"]["eye"] == [0, 0, 5], "the camera is moved")["camera"]
+        type_in("Eye z", "0")
+        wait_until(lambda: page.has(".camera-fields label.wrong .why", "an eye that is not at the target"), "it is wrong")
+        self.assertEqual(moved, page.state["camera"])
 
 
 class Tone(StudioPageTest):

@@ -252,7 +252,7 @@ export interface Summary {
   version: number;
   digest: string;
   counts: [what: string, count: number][];
-  cameras: (SceneCamera | string)[];
+  cameras: SceneCamera[];
   size?: [number, number];
   samples?: number;
   integrator?: string;
