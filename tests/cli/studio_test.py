@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The page of `tessera studio` in a real browser: keys and pointer go in, and what the page tells of itself is held
 against what the program and the disk have."""
+import signal
 import unittest
 
 from studio_browser import StudioPageTest
@@ -70,6 +71,24 @@ class Files(StudioPageTest):
         page = self.begin(file=None)
         page.click_on(".start button", "sub.tessera")
         self.until(page, lambda state: state["file"] == "sub.tessera", "it is open")
+
+    def test_what_cannot_be_edited_says_so_and_is_placed_in_a_scene(self):
+        self.scene("large.tessera", SCENE + "# a line of a file that is too long to be edited\n" * 180_000)
+        self.scene("latin.tessera", b"# caf\xe9\n" + SCENE.encode())
+        self.scene("wide.tessera", SCENE.encode("utf-16"))
+        page = self.begin(file=None)
+        for name, encoding, why in (("wide.tessera", "UTF-16", "only UTF-8 can be edited"), ("latin.tessera", "not UTF-8", "byte 0xe9"),
+                                    ("large.tessera", "UTF-8", "more than 8 MiB: its beginning is shown")):
+            page.click_on('.panel-files [role="option"]', name)
+            self.until(page, lambda state: state["file"] == name, f"{name} is open")
+            wait_until(lambda: page.has(".banner", why), f"it is said why {name} is not edited")
+            self.assertTrue(page.state["readOnly"])
+            self.assertIn(encoding, page.evaluate("[...document.querySelectorAll('.status-bar span')].map((each) => each.textContent)"))
+        page.click_on(".banner button", "Place it in a new scene")
+        self.until(page, lambda state: state["file"] == "untitled.tessera", "a scene is open")
+        self.assertIn('file: "large.tessera"', page.script)
+        self.until_final(page)
+        self.assertFalse(page.state["readOnly"])
 
     def test_a_viewer_cannot_edit(self):
         page = self.begin("--workers", 1, "--read-only")
@@ -163,6 +182,26 @@ class Errors(StudioPageTest):
         page.click_on('.panel-problems [role="option"]', "part.tessera")
         state = self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
         self.until(page, lambda state: state["selection"]["line"] == 2, "the cursor is at the place")
+
+
+    def test_no_problem_is_shown_at_a_place_of_an_older_text(self):
+        (self.opened / "part.tessera").write_text("# part\nnodes { shape { sphere { radius: x } } }\n")
+        self.scene("scene.tessera", 'includes { file: "part.tessera" }\n')
+        page = self.begin(file=None, scene=False)
+        page.click_on('.panel-files [role="option"]', "scene.tessera")
+        self.until(page, lambda state: state["problems"], "the problem is told")
+        page.click_on('.panel-problems [role="option"]', "part.tessera")
+        self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
+        page.press("Ctrl-Home")
+        self.running.process.send_signal(signal.SIGSTOP)
+        try:
+            page.press("Enter")
+            # Longer than problems wait for the next key.
+            page.evaluate("new Promise((done) => setTimeout(done, 600))")
+            self.assertEqual([], page.state["problems"])
+        finally:
+            self.running.process.send_signal(signal.SIGCONT)
+        self.until(page, lambda state: [each["line"] for each in state["problems"]] == [3], "it is told of the text as it is")
 
 
 class Live(StudioPageTest):
