@@ -63,6 +63,7 @@ Json document_json(const std::string& file, const Document& document, const Dige
               {"hash", hash.hex()},
               {"eol", document.line_ends()},
               {"bom", document.has_byte_order_mark()},
+              {"encoding", document.encoding()},
               {"editable", document.is_editable()},
               {"read_only", is_read_only},
               {"dirty", is_dirty},
@@ -119,8 +120,10 @@ Json files_json(const FileList& list) {
 Json problems_json(const SceneReading& reading) {
   Json list = Json::array();
   for (const Problem& problem : reading.problems) {
+    const auto text = reading.texts.find(problem.file);
     list.push_back({{"severity", problem.is_error ? "error" : "warning"},
                     {"file", problem.file},
+                    {"version", text == reading.texts.end() ? 0 : text->second.version()},
                     {"line", problem.line},
                     {"column", problem.column},
                     {"end_line", problem.end_line},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "scenes/edit/literal.h"
 
@@ -81,6 +82,22 @@ CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there,
   if (made.target != there.target) numbers.target = target;
   if (made.up != there.up) numbers.up = up;
   return numbers;
+}
+
+std::optional<int> find_camera(const Outline& outline, std::string_view name,
+                               std::string (*name_of)(const Entity&)) {
+  std::vector<int> cameras;
+  for (size_t i = 0; i < outline.entities().size(); ++i) {
+    const Entity& entity = outline.entities()[i];
+    if (entity.kind != EntityKind::camera) continue;
+    if (name.empty() || (name_of ? name_of(entity) : entity.name) == name)
+      return static_cast<int>(i);
+    cameras.push_back(static_cast<int>(i));
+  }
+  const double number = typed_number(name).value_or(0);
+  for (size_t i = 0; i < cameras.size(); ++i)
+    if (static_cast<double>(i + 1) == number) return cameras[i];
+  return {};
 }
 
 std::optional<Triple> read_triple(std::string_view text) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "renderer/math/transform.h"
 #include "scenes/edit/edit.h"
@@ -28,6 +29,11 @@ CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there,
 
 /// Why no camera is made of the pose.
 std::optional<Refusal> check_pose(const CameraPose& pose);
+
+/// The camera that `name_of` calls so, without it by the entity's name, or, as of `--camera`, of
+/// that number from 1; empty: the first. Nothing where the text has none.
+std::optional<int> find_camera(const Outline& outline, std::string_view name,
+                               std::string (*name_of)(const Entity&) = nullptr);
 
 /// How far the two frames are apart, as above.
 double frame_distance(const WrittenCamera& a, const WrittenCamera& b);

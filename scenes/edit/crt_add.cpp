@@ -91,12 +91,7 @@ Change add_crt(const Outline& outline, const EntityTemplate& made) {
 }
 
 Change write_crt_camera(const Outline& outline, std::string_view name, const CameraPose& pose) {
-  int camera = -1;
-  for (size_t i = 0; i < outline.entities().size() && camera < 0; ++i) {
-    const Entity& entity = outline.entities()[i];
-    if (entity.kind == EntityKind::camera && (name.empty() || entity.name == name))
-      camera = static_cast<int>(i);
-  }
+  const int camera = find_camera(outline, name).value_or(-1);
   if (pose.orthographic) return refuse("an orthographic camera", "a projection that CRT has");
   if (camera < 0) return refuse("a script without that camera", "a Camera { ... } to write");
   const Entity& asked = outline.entities()[static_cast<size_t>(camera)];

@@ -116,15 +116,6 @@ class CameraWriter {
   const CameraPose& pose_;
 };
 
-std::optional<int> find_camera(const Outline& outline, std::string_view name) {
-  for (size_t i = 0; i < outline.entities().size(); ++i) {
-    const Entity& entity = outline.entities()[i];
-    if (entity.kind == EntityKind::camera && (name.empty() || entity.name == name))
-      return static_cast<int>(i);
-  }
-  return {};
-}
-
 }  // namespace
 
 Change write_message_camera(const Outline& outline, std::string_view name, const CameraPose& pose) {

@@ -17,25 +17,11 @@ namespace tessera::edit {
 
 namespace {
 
-bool is_viewpoint(const Entity& entity) {
-  return entity.type == "Viewpoint" || entity.type == "OrthoViewpoint";
-}
-
 /// The name that the reader gives the camera.
 std::string name_of_camera(const Entity& entity) {
   if (!entity.name.empty()) return entity.name;
   const std::string description = written_text(entity, "description");
   return description.empty() ? "Viewpoint" : description;
-}
-
-/// The first of that name, or of any; -1: there is none.
-int find_viewpoint(const Outline& outline, std::string_view name) {
-  for (size_t i = 0; i < outline.entities().size(); ++i) {
-    const Entity& entity = outline.entities()[i];
-    if (is_viewpoint(entity) && (name.empty() || name_of_camera(entity) == name))
-      return static_cast<int>(i);
-  }
-  return -1;
 }
 
 Triple divided(const Triple& t, double by) { return {t[0] / by, t[1] / by, t[2] / by}; }
@@ -60,7 +46,7 @@ std::string window_of(double height) {
 Change write_xml_camera(const Outline& outline, std::string_view name, const CameraPose& asked) {
   const X3dUnits units = x3d_units(outline);
   const CameraPose pose = in_lengths(asked, units.length);
-  int camera = find_viewpoint(outline, name);
+  int camera = find_camera(outline, name, name_of_camera).value_or(-1);
   if (camera < 0 && !name.empty())
     return refuse(fmt::format("no Viewpoint '{}'", name), "a Viewpoint's name");
   const bool is_window =
@@ -75,11 +61,13 @@ Change write_xml_camera(const Outline& outline, std::string_view name, const Cam
   EditSequence sequence(outline);
   if (camera < 0) {
     sequence.apply(add_xml(outline, {"camera", "Viewpoint", {}}));
-    camera = find_viewpoint(sequence.now(), "");
+    camera = find_camera(sequence.now(), "").value_or(-1);
     if (camera < 0) return sequence.finish();
   }
   sequence.keep(camera);
   const Entity& there = sequence.now().entities()[static_cast<size_t>(camera)];
+  if (!is_window && there.type != "Viewpoint")
+    return refuse(fmt::format("the camera of {}", there.type), "a Viewpoint", there.range);
   for (int above = there.parent; above > 0;
        above = sequence.now().entities()[static_cast<size_t>(above)].parent)
     if (sequence.now().entities()[static_cast<size_t>(above)].type == "Transform")

@@ -28,10 +28,20 @@ void append_plain(std::string_view part, std::string& out) {
   }
 }
 
+/// The first byte that is no text in UTF-8.
+size_t first_fault(std::string_view bytes) {
+  return std::min(find_invalid_utf8(bytes), bytes.find('\0'));
+}
+
+std::string_view encoding_of(std::string_view bytes) {
+  if (is_utf16(bytes)) return "UTF-16";
+  return first_fault(bytes) == std::string_view::npos ? "UTF-8" : "not UTF-8";
+}
+
 /// Why a file of those bytes cannot be edited; empty where it can.
 std::string fault_of(std::string_view bytes) {
   if (is_utf16(bytes)) return "the file is in UTF-16; only UTF-8 can be edited";
-  const size_t bad = std::min(find_invalid_utf8(bytes), bytes.find('\0'));
+  const size_t bad = first_fault(bytes);
   if (bad == std::string_view::npos) return {};
   const auto line =
       std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(bad), '\n');
@@ -115,6 +125,7 @@ Document::Document(std::string_view file_bytes, bool is_whole) {
       is_whole && file_bytes.size() <= kMostBytes ? file_bytes : head_of(file_bytes, kMostBytes);
   std::string_view text = skip_byte_order_mark(marked);
   marks_ = (marked.size() - text.size()) / kByteOrderMark.size();
+  encoding_ = encoding_of(text);
   if (!is_whole || file_bytes.size() > kMostBytes) {
     why_fixed_ =
         fmt::format("the file has more than {} MiB: its beginning is shown", kMostBytes >> 20);

@@ -54,6 +54,8 @@ class Document {
   /// Why the text cannot be edited, for the user; empty where it can.
   const std::string& why_not_editable() const { return why_fixed_; }
   bool has_byte_order_mark() const { return marks_ > 0; }
+  /// "UTF-8", "UTF-16", or "not UTF-8" of bytes that are no text in either.
+  std::string_view encoding() const { return encoding_; }
   /// "lf", "crlf", "cr" or, of several kinds, "mixed"; a text without line ends has "lf".
   std::string_view line_ends() const;
 
@@ -100,6 +102,7 @@ class Document {
   size_t marks_ = 0;   ///< byte order marks before the text: readers skip any number of them
   uint64_t version_ = 1;
   std::string why_fixed_;
+  std::string_view encoding_ = "UTF-8";
   std::shared_ptr<const std::string> original_;  ///< the file, where `chunks_` do not give it back
 };
 

@@ -52,9 +52,12 @@ class Errors(ViewTest):
         column = text.split("\n")[1].index("xy") + 1
         self.assertEqual(("parts/part.tessera", 2, column, 2, column + 2),
                          tuple(map(wrong.get, ("file", "line", "column", "end_line", "end_column"))))
-        # A text that is open stands for the file.
+        self.assertEqual(0, wrong["version"])
+        # A text that is open stands for the file, and its problems tell of which version they are.
         self.open(page, "parts/part.tessera")
-        self.edit(page, 1, (text.index("xy"), text.index("xy") + 2, ".5"), file="parts/part.tessera")
+        self.edit(page, 1, (0, 0, "#\n"), file="parts/part.tessera")
+        page.receive("problems", where=lambda each: each["list"] and (each["list"][0]["line"], each["list"][0]["version"]) == (3, 2))
+        self.edit(page, 2, (text.index("xy") + 2, text.index("xy") + 4, ".5"), file="parts/part.tessera")
         page.receive("problems", where=lambda each: not each["list"])
         self.last_picture(page)
 

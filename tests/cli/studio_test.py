@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The page of `tessera studio` in a real browser: keys and pointer go in, and what the page tells of itself is held
 against what the program and the disk have."""
+import signal
 import unittest
 
 from studio_browser import StudioPageTest
@@ -70,6 +71,24 @@ class Files(StudioPageTest):
         page = self.begin(file=None)
         page.click_on(".start button", "sub.tessera")
         self.until(page, lambda state: state["file"] == "sub.tessera", "it is open")
+
+    def test_what_cannot_be_edited_says_so_and_is_placed_in_a_scene(self):
+        self.scene("large.tessera", SCENE + "# a line of a file that is too long to be edited\n" * 180_000)
+        self.scene("latin.tessera", b"# caf\xe9\n" + SCENE.encode())
+        self.scene("wide.tessera", SCENE.encode("utf-16"))
+        page = self.begin(file=None)
+        for name, encoding, why in (("wide.tessera", "UTF-16", "only UTF-8 can be edited"), ("latin.tessera", "not UTF-8", "byte 0xe9"),
+                                    ("large.tessera", "UTF-8", "more than 8 MiB: its beginning is shown")):
+            page.click_on('.panel-files [role="option"]', name)
+            self.until(page, lambda state: state["file"] == name, f"{name} is open")
+            wait_until(lambda: page.has(".banner", why), f"it is said why {name} is not edited")
+            self.assertTrue(page.state["readOnly"])
+            self.assertIn(encoding, page.evaluate("[...document.querySelectorAll('.status-bar span')].map((each) => each.textContent)"))
+        page.click_on(".banner button", "Place it in a new scene")
+        self.until(page, lambda state: state["file"] == "untitled.tessera", "a scene is open")
+        self.assertIn('file: "large.tessera"', page.script)
+        self.until_final(page)
+        self.assertFalse(page.state["readOnly"])
 
     def test_a_viewer_cannot_edit(self):
         page = self.begin("--workers", 1, "--read-only")
@@ -163,6 +182,26 @@ class Errors(StudioPageTest):
         page.click_on('.panel-problems [role="option"]', "part.tessera")
         state = self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
         self.until(page, lambda state: state["selection"]["line"] == 2, "the cursor is at the place")
+
+
+    def test_no_problem_is_shown_at_a_place_of_an_older_text(self):
+        (self.opened / "part.tessera").write_text("# part\nnodes { shape { sphere { radius: x } } }\n")
+        self.scene("scene.tessera", 'includes { file: "part.tessera" }\n')
+        page = self.begin(file=None, scene=False)
+        page.click_on('.panel-files [role="option"]', "scene.tessera")
+        self.until(page, lambda state: state["problems"], "the problem is told")
+        page.click_on('.panel-problems [role="option"]', "part.tessera")
+        self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
+        page.press("Ctrl-Home")
+        self.running.process.send_signal(signal.SIGSTOP)
+        try:
+            page.press("Enter")
+            # Longer than problems wait for the next key.
+            page.evaluate("new Promise((done) => setTimeout(done, 600))")
+            self.assertEqual([], page.state["problems"])
+        finally:
+            self.running.process.send_signal(signal.SIGCONT)
+        self.until(page, lambda state: [each["line"] for each in state["problems"]] == [3], "it is told of the text as it is")
 
 
 class Live(StudioPageTest):
@@ -305,6 +344,33 @@ class Camera(StudioPageTest):
         self.assertNotEqual(other.rstrip(), lines[2])
         self.until_final(page)
 
+    def test_a_camera_without_a_name_is_chosen_and_written(self):
+        page = self.browser_page
+        other = "cameras { world_from_camera { steps { look_at { eye { x: 5 } target { } } } } }"
+        before = page.state
+        self.write_at(page, 2, "\n" + other)
+        self.until_final(page, before)
+        self.choose_camera(page, "camera 2")
+        chosen = self.until(page, lambda state: state["camera"]["eye"] == [5, 0, 0], "the other camera is seen through")
+        wait_until(lambda: page.has(".chip", "scene’s: camera 2"), "it is told")
+        self.until_final(page, before)
+        width, height, pixels = page.pixels()
+        page.press("Ctrl-S")
+        wait_until(lambda: self.saved() == page.script, "it is saved")
+        self.assert_same(self.rendered("scene.tessera", "--camera", 2, size=(width, height)), pixels)
+        page.click_on(".view-frame")
+        self.moved("an arrow", lambda: page.press("Left"))
+        text = page.script
+        page.press("F1")
+        page.type("Write camera")
+        page.press("Enter")
+        wait_until(lambda: page.script != text, "it is written")
+        self.until(page, lambda state: state["camera"]["mode"] == "scene" and state["camera"] != chosen["camera"],
+                   "the view sees through it")
+        lines = page.script.split("\n")
+        self.assertEqual(SCENE.split("\n")[1], lines[1], "the first camera stays")
+        self.assertNotEqual(other, lines[2])
+
     def test_the_picture_of_a_written_camera_is_that_of_render(self):
         page = self.browser_page
         cornell = (SAMPLES / "cornell.tessera").read_text()
@@ -397,6 +463,32 @@ class Numbers(StudioPageTest):
         state = self.until(page, lambda state: state["picture"]["samples"] == 9 and state["picture"]["final"], "9 samples")
         self.assertFalse(page.has(".view-options label.wrong"))
         self.assertEqual(9, state["view"]["samples"])
+
+
+    def test_camera_numbers_that_make_no_view_are_said_and_not_applied(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+
+        def type_in(label, text):
+            page.evaluate(f"""(() => {{ const field = [...document.querySelectorAll(".camera-fields label.number")].find((each) =>
+                each.textContent.startsWith({label!r})); field.querySelector("input").focus(); }})()""")
+            page.press("Ctrl-A")
+            page.type(text)
+
+        type_in("Up z", "0")
+        before = self.until(page, lambda state: state["camera"]["up"][2] == 0, "the camera is turned")["camera"]
+        for label, text, expected in (("Up y", "0", "an up that is not 0 0 0"), ("Eye z", "0", "not along the view")):
+            type_in(label, text)
+            wait_until(lambda: page.has(".camera-fields label.wrong .why", f"found {text}; expected "), f"{label} is wrong")
+            self.assertIn(expected, page.text(".camera-fields label.wrong .why"))
+            self.assertEqual(before, page.state["camera"])
+            page.press("Escape")
+            wait_until(lambda: not page.has(".camera-fields label.wrong"), "it is right again")
+        type_in("Eye y", "0")
+        moved = self.until(page, lambda state: state["camera"]["eye"] == [0, 0, 5], "the camera is moved")["camera"]
+        type_in("Eye z", "0")
+        wait_until(lambda: page.has(".camera-fields label.wrong .why", "an eye that is not at the target"), "it is wrong")
+        self.assertEqual(moved, page.state["camera"])
 
 
 class Tone(StudioPageTest):

@@ -27,6 +27,7 @@ export interface OpenDocument {
   language: string;
   eol: string;
   bom: boolean;
+  encoding: string;
   editable: boolean;
   why?: string;
   readOnly: boolean;
@@ -180,6 +181,7 @@ export function receive(message: ProgramDocument): void {
     language: message.language,
     eol: message.eol,
     bom: message.bom,
+    encoding: message.encoding,
     editable: message.editable,
     why: message.why,
     readOnly: message.read_only,

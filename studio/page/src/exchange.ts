@@ -23,6 +23,7 @@ export function restart(document: OpenDocument, message: ProgramDocument, text: 
   Object.assign(document, {
     eol: message.eol,
     bom: message.bom,
+    encoding: message.encoding,
     editable: message.editable,
     why: message.why,
     readOnly: message.read_only,

@@ -28,9 +28,13 @@ function filesBeside(scene: string, fits: (file: FileEntry) => boolean): string[
   return state.files.value.filter((each) => each.name.startsWith(folder) && fits(each)).map((each) => each.name.slice(folder.length));
 }
 
+export function canBePlaced({ name, kind }: FileEntry): boolean {
+  return (kind === "model" || kind === "scene") && !/\.mtl$/i.test(name);
+}
+
 /** Files that the scene can place. */
 export function candidates(scene: string): string[] {
-  return filesBeside(scene, ({ name, kind }) => (kind === "model" || kind === "scene") && !/\.mtl$/i.test(name) && name !== scene);
+  return filesBeside(scene, (file) => canBePlaced(file) && file.name !== scene);
 }
 
 export function picturesFor(scene: string): string[] {

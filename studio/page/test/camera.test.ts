@@ -18,6 +18,16 @@ test("a camera that looks down keeps its horizon level", () => {
   assert.deepEqual(maths.uprightOf(rolled), maths.normalised(rolled.up));
 });
 
+test("eye, target and up that make no frame say what is expected of them", () => {
+  const expected = (changes: Partial<FreeCamera>) => maths.expectedOfPose({ ...camera, ...changes });
+  assert.equal(expected({}), undefined);
+  assert.equal(expected({ eye: [0, 1e-300, 0] }), "an up that is not along the view");
+  assert.equal(expected({ eye: [0, 0, 0] }), "an eye that is not at the target");
+  assert.equal(expected({ up: [0, 0, 0] }), "an up that is not 0 0 0");
+  for (const up of [[0, 0, 2], [0, 0, -1e-5], [0, 1e-12, 1]] as Vector[]) assert.equal(expected({ up }), "an up that is not along the view");
+  assert.equal(expected({ up: [0, 1e-3, 1] }), undefined);
+});
+
 test("an orbit keeps the distance and what is looked at", () => {
   const turned = maths.orbit(camera, 37, 21);
   near(turned.target, camera.target);

@@ -21,7 +21,7 @@ Object.assign(globalThis, {
 const passFrames = () => frames.splice(0).forEach((each) => each());
 
 const FILE = "a.tessera";
-const disk = { file: FILE, version: 1, text: "one\n", language: "tessera", eol: "lf", bom: false, editable: true, read_only: false };
+const disk = { file: FILE, version: 1, text: "one\n", language: "tessera", eol: "lf", bom: false, encoding: "UTF-8", editable: true, read_only: false };
 const shown = () => documents.find(FILE)!;
 const textOf = () => documents.stateOf(shown()).doc.toString();
 /** The messages of that kind that were sent since they were asked for last. */

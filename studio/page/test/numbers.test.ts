@@ -26,6 +26,12 @@ test("sizes are whole and from 1 to 65536", () => {
   for (const text of ["0", "-1", "65537", "1.0", "1e2", "blah"]) assert.ok(!checkNumber(text, rules).ok, text);
 });
 
+test("a number may have to suit others", () => {
+  const rules = { also: (value: number) => (value === 0 ? "one beside 0" : undefined) };
+  assert.deepEqual(checkNumber("0.0", rules), { ok: false, found: "0.0", expected: "one beside 0" });
+  assert.ok(checkNumber("1", rules).ok);
+});
+
 test("a field of view lies between 0 and 180", () => {
   const rules = { range: [0, 180] as [number, number], open: true };
   for (const text of ["0.001", "179.9"]) assert.ok(checkNumber(text, rules).ok, text);

@@ -125,7 +125,7 @@ class Session {
   on_open({ file }) {
     if (!documents.has(file)) documents.set(file, { version: 1, text: readFileSync(join(scenes, file), "utf8") });
     const { version, text } = documents.get(file);
-    this.say("document", { file, version, text, hash: createHash("sha256").update(text).digest("hex"), eol: "lf", bom: false, editable: true, read_only: false, language: file.split(".").pop(), ...(process.env.STAND_IN_DRAFT ? { draft: { text: `${text}# more\n`, saved_at: Date.now() } } : {}) });
+    this.say("document", { file, version, text, hash: createHash("sha256").update(text).digest("hex"), eol: "lf", bom: false, encoding: "UTF-8", editable: true, read_only: false, language: file.split(".").pop(), ...(process.env.STAND_IN_DRAFT ? { draft: { text: `${text}# more\n`, saved_at: Date.now() } } : {}) });
     this.read(file);
   }
   on_edit({ file, base, changes }) {

@@ -321,6 +321,14 @@ TEST(StudioDocument, BytesThatAreNoTextAreShownAndKept) {
             "b\n");
   EXPECT_EQ(Document("x\ncaf\xE9").why_not_editable(),
             "line 2 has the byte 0xe9; only text in UTF-8 can be edited");
+  EXPECT_EQ(Document("caf\xC3\xA9").encoding(), "UTF-8");
+  EXPECT_EQ(Document("caf\xE9").encoding(), "not UTF-8");
+  EXPECT_EQ(Document(nul).encoding(), "not UTF-8");
+  EXPECT_EQ(Document(std::string("\xFF\xFE"
+                                 "a\0",
+                                 4))
+                .encoding(),
+            "UTF-16");
 }
 
 TEST(StudioDocument, OfAFileTooLongTheBeginningIsShown) {

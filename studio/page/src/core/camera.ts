@@ -40,6 +40,17 @@ export function frameOf(camera: FreeCamera): Frame {
   return { forward, right, up: cross(right, forward) };
 }
 
+/** How nearly up may lie along the view. */
+const LEAST_ASIDE = 1e-9;
+
+/** What is expected of a camera's eye, target and up, in words; nothing where they make a frame. */
+export function expectedOfPose({ eye, target, up }: FreeCamera): string | undefined {
+  const view = subtract(target, eye);
+  if (length(view) === 0) return "an eye that is not at the target";
+  if (length(up) === 0) return "an up that is not 0 0 0";
+  return length(cross(normalised(view), normalised(up))) < LEAST_ASIDE ? "an up that is not along the view" : undefined;
+}
+
 /** What counts as up where a camera is turned: the axis of the world that a camera without roll stands by, else its own up. */
 export function uprightOf(camera: FreeCamera): Vector {
   const { right, up } = frameOf(camera);

@@ -7,6 +7,8 @@ export interface NumberRules {
   /** Whether the ends of the range are left out, both or each. */
   open?: boolean | [boolean, boolean];
   unit?: string;
+  /** What else is expected of a number, in words; nothing where it is as it should be. Holds for numbers that are typed. */
+  also?: (value: number) => string | undefined;
 }
 
 export type Checked = { ok: true; value: number } | { ok: false; found: string; expected: string };
@@ -53,6 +55,8 @@ export function checkNumber(text: string, rules: NumberRules = {}): Checked {
     if (above ? value <= least : value < least) return wrong(trimmed);
     if (below ? value >= most : value > most) return wrong(trimmed);
   }
+  const other = rules.also?.(value);
+  if (other !== undefined) return { ok: false, found: trimmed, expected: other };
   return { ok: true, value };
 }
 

@@ -212,6 +212,7 @@ export interface ProgramDocument {
   hash: string;
   eol: "lf" | "crlf" | "cr" | "mixed";
   bom: boolean;
+  encoding: string;
   editable: boolean;
   read_only: boolean;
   language: string;
@@ -225,6 +226,8 @@ export interface ProgramDocument {
 export interface Problem {
   severity: "error" | "warning";
   file: string;
+  /** Of the file's text; 0 where it was not open. */
+  version: number;
   line: number;
   column: number;
   end_line: number;
@@ -252,7 +255,7 @@ export interface Summary {
   version: number;
   digest: string;
   counts: [what: string, count: number][];
-  cameras: (SceneCamera | string)[];
+  cameras: SceneCamera[];
   size?: [number, number];
   samples?: number;
   integrator?: string;

@@ -31,10 +31,10 @@ function later(): void {
 
 function show(): void {
   const list: Problem[] = [];
+  // An answer about another text than the one that stands here would mark wrong places.
+  const stands = (file: string, version: number) => (documents.find(file)?.sync.version ?? version) === version;
   for (const [file, known] of state.knownProblems.peek()) {
-    const document = documents.find(file);
-    // An answer about another text than the one that stands here would mark wrong places.
-    if (!document || document.sync.version === known.version) list.push(...known.list);
+    if (stands(file, known.version)) list.push(...known.list.filter((each) => stands(each.file, each.version)));
   }
   // Another list of nothing would have all draw themselves anew that show it.
   if (list.length > 0 || state.problems.peek().length > 0) state.problems.value = list;

@@ -82,7 +82,7 @@ export function StatusBar() {
         <>
           <span>Line {line}, column {column}{length > 0 ? ` (${length} selected)` : ""}</span>
           <span>{languageName(shown.file)}</span>
-          <span>UTF-8{shown.bom ? " with mark" : ""}</span>
+          <span>{shown.encoding}{shown.bom ? " with mark" : ""}</span>
           <span>{shown.eol.toUpperCase()}</span>
         </>
       )}

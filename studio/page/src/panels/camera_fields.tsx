@@ -1,4 +1,5 @@
 import type { FreeCamera, Vector } from "../core/protocol.js";
+import { expectedOfPose } from "../core/camera.js";
 import { written } from "../core/numbers.js";
 import * as documents from "../documents.js";
 import { select } from "../entities.js";
@@ -10,17 +11,17 @@ import { NumberField } from "./number_field.js";
 type VectorName = "eye" | "target" | "up";
 
 function VectorField({ label, name, camera }: { label: string; name: VectorName; camera: FreeCamera }) {
-  const set = (index: number, text: string) => {
+  const withNumber = (index: number, value: number): FreeCamera => {
     const vector = [...camera[name]] as Vector;
-    vector[index] = Number(text);
-    moveCamera({ ...camera, [name]: vector }, true);
+    vector[index] = value;
+    return { ...camera, [name]: vector };
   };
   return (
     <div class="field">
       <span>{label}</span>
       <span class="vector">
         {["x", "y", "z"].map((axis, index) => (
-          <NumberField key={axis} quiet label={`${label} ${axis}`} text={written(camera[name][index]!)} commit={(text) => set(index, text)} />
+          <NumberField key={axis} quiet label={`${label} ${axis}`} text={written(camera[name][index]!)} rules={{ also: (value) => expectedOfPose(withNumber(index, value)) }} commit={(text) => moveCamera(withNumber(index, Number(text)), true)} />
         ))}
       </span>
     </div>
@@ -30,7 +31,8 @@ function VectorField({ label, name, camera }: { label: string; name: VectorName;
 /** Aperture, focus and the rest are properties of the scene's own camera. */
 function Lens({ name }: { name: string | undefined }) {
   const outline = state.sceneFile.value === undefined ? undefined : state.outlines.value.get(state.sceneFile.value);
-  const camera = outline?.entities.find((each) => each.kind === "camera" && (name === undefined || each.name === name));
+  const cameras = outline?.entities.filter((each) => each.kind === "camera") ?? [];
+  const camera = name === undefined ? cameras[0] : (cameras.find((each) => each.name === name) ?? cameras[Number(name) - 1]);
   if (!outline || !camera) return null;
   return (
     <button

@@ -38,7 +38,8 @@ export function NumberField(props: NumberFieldProps) {
   const before = useRef(props.text);
   const input = useRef<HTMLInputElement | null>(null);
   const text = draft ?? props.text;
-  const checked: Checked = props.optional && text.trim() === "" ? { ok: true, value: NaN } : checkNumber(text, rules);
+  const { also: _, ...ownRules } = rules;
+  const checked: Checked = props.optional && text.trim() === "" ? { ok: true, value: NaN } : checkNumber(text, draft === undefined ? ownRules : rules);
   const wrong = checked.ok ? props.wrong : `found ${checked.found}; expected ${checked.expected}`;
   const isEdited = () => drag.current !== undefined || document.activeElement === input.current;
 

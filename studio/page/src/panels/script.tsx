@@ -2,6 +2,7 @@ import { baseName } from "../core/paths.js";
 import * as documents from "../documents.js";
 import { closeFile } from "../commands.js";
 import { compared } from "../layout/compare_dialog.js";
+import { canBePlaced } from "../models.js";
 import * as program from "../program.js";
 import { Adopt } from "./adopt.js";
 import { StartPage } from "./start.js";
@@ -95,6 +96,9 @@ function Banner() {
     return (
       <div class="banner" role="status">
         <span>{shown.why ?? "This file is shown, and cannot be edited."}</span>
+        {state.files.value.some((each) => each.name === shown.file && canBePlaced(each)) && (
+          <button type="button" title="Its place, size and material are edited there" onClick={() => program.send("create", { model: shown.file })}>Place it in a new scene</button>
+        )}
       </div>
     );
   }

@@ -5,7 +5,7 @@ import { isReading } from "../reading.js";
 import * as state from "../state.js";
 import { filterWords, showAll } from "../view/filter.js";
 import { zoomOut } from "../view/magnifier.js";
-import { moveCamera, pauseOrResume, refresh, sceneCameras, stop } from "../view/wish.js";
+import { moveCamera, pauseOrResume, refresh, sceneCameras, stop, titleOfCamera } from "../view/wish.js";
 import { Chain } from "./chain.js";
 import { PinButton } from "./compare.js";
 import { PaneCount, Panes } from "./panes.js";
@@ -46,7 +46,7 @@ function Cameras() {
   const name = wish?.name ?? cameras[0]?.name;
   return (
     <>
-      <span class={`chip ${isFree ? "free" : ""}`}>{isFree ? "free" : name ? `scene’s: ${name}` : "scene’s"}</span>
+      <span class={`chip ${isFree ? "free" : ""}`}>{isFree ? "free" : name ? `scene’s: ${titleOfCamera(name)}` : "scene’s"}</span>
       {cameras.length > 1 && (
         <select
           aria-label="Camera"
@@ -54,7 +54,7 @@ function Cameras() {
           onChange={(event) => moveCamera(event.currentTarget.value === "" ? null : { name: event.currentTarget.value }, false)}
         >
           <option value="">first camera</option>
-          {cameras.filter((each) => each.name).map((each) => <option key={each.name} value={each.name}>{each.name}</option>)}
+          {cameras.map(({ name: each }) => <option key={each} value={each}>{titleOfCamera(each)}</option>)}
         </select>
       )}
       {isFree && <button type="button" onClick={() => moveCamera(null, false)}>Home</button>}

@@ -194,10 +194,16 @@ export function moveCamera(camera: CameraWish, byHand: boolean, pane = state.mai
   if (camera === null && pane === state.main) pivot.value = undefined;
 }
 
-/** The cameras of the scene that is shown. */
+/** The cameras of the scene that is shown, each by what `--camera` takes: its name, or else its number. */
 export function sceneCameras(): SceneCamera[] {
   const cameras = state.summary.value?.cameras ?? [];
-  return cameras.map((each) => (typeof each === "string" ? { name: each } : each));
+  return cameras.map((each, index) => ({ ...each, name: each.name || String(index + 1) }));
+}
+
+/** What users are told of a camera: a number is none of a name. */
+export function titleOfCamera(name: string): string {
+  const { value: summary } = state.summary;
+  return summary?.cameras.some((each) => each.name === name) ? name : `camera ${name}`;
 }
 
 function isOfScene(camera: string): boolean {

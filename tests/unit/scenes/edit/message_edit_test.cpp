@@ -254,6 +254,13 @@ TEST(StudioEdit, WritesACamera) {
       applied(panorama,
               write_camera(panorama, "", {{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 45.0, "smaller", {}})),
       "cameras { world_from_camera { steps { look_at { target { z: -1 } } } } spherical { } }");
+  // One without a name is called by its number.
+  const Outline two = tessera_text(there.text() + "\ncameras { }\n");
+  EXPECT_EQ(applied(two, write_camera(two, "2", pose)),
+            there.text() +
+                "\ncameras { world_from_camera { steps { look_at { eye { y: 1 z: 5 } target { y: "
+                "0.333333 } } } } perspective { field_of_view: 40 } }\n");
+  EXPECT_FALSE(write_camera(two, "3", pose).is_made());
   pose.field_of_view = -1;
   EXPECT_FALSE(write_camera(there, "a", pose).is_made());
 }
