@@ -323,7 +323,7 @@ TEST(StudioDocument, BytesThatAreNoTextAreShownAndKept) {
             "line 2 has the byte 0xe9; only text in UTF-8 can be edited");
   EXPECT_EQ(Document("caf\xC3\xA9").encoding(), "UTF-8");
   EXPECT_EQ(Document("caf\xE9").encoding(), "not UTF-8");
-  EXPECT_EQ(Document(nul).encoding(), "not UTF-8");
+  EXPECT_EQ(Document(std::string("ab\0", 3)).encoding(), "not UTF-8");
   EXPECT_EQ(Document(std::string("\xFF\xFE"
                                  "a\0",
                                  4))
