@@ -23,6 +23,7 @@
 #include "front/job_name.h"
 #include "front/job_orders.h"
 #include "front/output_settings.h"
+#include "front/picture_warnings.h"
 #include "front/render_options.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
@@ -140,6 +141,7 @@ class Fetch {
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
     flush_output();
+    for (const std::string& warning : report_warnings(report)) say_warning(warning);
     // Frame k is at the instant k / rate.
     if (frame.number() > 0 && frame.settings().time() > 0)
       frame_rate_ = frame.number() / frame.settings().time();

@@ -187,12 +187,28 @@ std::vector<std::string> scene_warnings(const RenderOptions& options, const Load
 }
 
 std::vector<std::string> report_warnings(const JobReport& report) {
-  const auto lost = report.counters.find("nan_samples");
-  if (lost == report.counters.end() || lost->second == 0) return {};
-  return {fmt::format(
-      "{} had no colour that a pixel can hold and count as black; expected light and colours "
-      "whose products stay below 1e38",
-      counted(lost->second, "sample"))};
+  const auto count = [](const CounterMap& counters, const char* name) {
+    const auto at = counters.find(name);
+    return at == counters.end() ? 0 : at->second;
+  };
+  std::vector<std::string> warnings;
+  if (const uint64_t lost = count(report.counters, "nan_samples"); lost > 0) {
+    warnings.push_back(fmt::format(
+        "{} had no colour that a pixel can hold and count as black; expected light and colours "
+        "whose products stay below 1e38",
+        counted(lost, "sample")));
+  }
+  // What was kept from before has no counts.
+  const bool is_traced = report.end == JobReport::End::done && report.tiles_restored == 0;
+  if (is_traced && count(report.counters, "hits") == 0) {
+    const bool has_surfaces = count(report.build_counters, "instances") > 0;
+    warnings.push_back(fmt::format(
+        "no ray meets a surface, so that only the background is seen; expected {}",
+        has_surfaces ? "a camera that looks at what there is, as with --frame-all"
+        : count(report.build_counters, "nodes_hidden") > 0 ? "nodes that are not hidden"
+                                                           : "nodes with shapes"));
+  }
+  return warnings;
 }
 
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded) {

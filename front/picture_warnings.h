@@ -14,7 +14,8 @@ namespace tessera {
 std::vector<std::string> picture_warnings(const RenderOptions& options, const LoadedScene& loaded);
 /// Those, after what was told of reading the scene: each once.
 std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);
-/// What of a picture that was traced is hardly what was meant: samples that were no colour.
+/// What of a picture that was traced is hardly what was meant: samples that were no colour, or
+/// nothing but the background.
 std::vector<std::string> report_warnings(const JobReport& report);
 /// What the files that they go to will not hold.
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded);

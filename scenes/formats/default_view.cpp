@@ -9,6 +9,7 @@
 
 #include "renderer/math/bounds.h"
 #include "renderer/math/vec.h"
+#include "scenes/import/three_quarters.h"
 #include "scenes/import/to_affine.h"
 
 namespace tessera {
@@ -24,7 +25,7 @@ struct Frame {
 };
 
 Frame view_frame() {
-  const Vec3 back = normalize(Vec3{0.55, 0.38, 1});
+  const Vec3 back = three_quarters();
   const Vec3 right = normalize(cross(Vec3{0, 1, 0}, back));
   return {right, cross(back, right), back};
 }

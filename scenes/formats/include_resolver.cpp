@@ -115,11 +115,12 @@ void move_all(Things& from, Things& to) {
 
 AssetFolder::Found included_file(const AssetFolder& assets, const fs::path& file,
                                  const v1::Include& include) {
-  AssetFolder::Found found = assets.from(file.parent_path()).find_asset(include.file());
+  const AssetFolder from = assets.from(file.parent_path());
+  AssetFolder::Found found = from.find_asset(include.file());
   if (!found.file)
     throw scene_error(
         {file.string()},
-        fmt::format("includes '{}', which is not inside {}", include.file(), assets.shown_root()),
+        fmt::format("includes '{}', which is not inside {}", include.file(), from.shown_root(include.file())),
         "a file in that folder or below it");
   return found;
 }

@@ -20,6 +20,12 @@ bool is_inside(const fs::path& folder, const fs::path& root) {
   return !inside.empty() && *inside.begin() != "..";
 }
 
+/// As a file of Windows means it.
+std::string with_slashes(std::string reference) {
+  std::replace(reference.begin(), reference.end(), '\\', '/');
+  return reference;
+}
+
 }  // namespace
 
 fs::path whole_path(const fs::path& path) {
@@ -66,8 +72,7 @@ AssetFolder::Found AssetFolder::find_asset(const std::string& reference) const {
   constexpr size_t kMostParts = 16;
   Found found{find(reference)};
   if (found.file && is_input_file(*found.file)) return found;
-  std::string path = reference;
-  std::replace(path.begin(), path.end(), '\\', '/');
+  const std::string path = with_slashes(reference);
   std::vector<std::string> ends;  // from the shortest
   if (path != reference) ends.push_back(path);
   for (size_t slash = path.rfind('/'); slash != path.npos && ends.size() < kMostParts;
@@ -88,8 +93,15 @@ AssetFolder::Found AssetFolder::find_asset(const std::string& reference) const {
   return found;
 }
 
-std::string AssetFolder::shown_root() const {
-  return searches_root ? fmt::format("the asset root '{}'", root.string()) : "the scene's folder";
+std::string AssetFolder::shown_root(const std::string& reference) const {
+  const std::string shown =
+      searches_root ? fmt::format("the asset root '{}'", root.string()) : "the scene's folder";
+  const fs::path target = (folder / with_slashes(reference)).lexically_normal();
+  fs::path wider = root;
+  while (!is_inside(target, wider)) wider = wider.parent_path();
+  const bool would_help = wider != root && wider != wider.root_path();
+  return shown +
+         (would_help ? fmt::format(" (--assets '{}' would hold it)", wider.string()) : "");
 }
 
 }  // namespace tessera

@@ -34,8 +34,9 @@ struct AssetFolder {
   /// path that it had on another machine, one with the last parts of that path, or its name alone,
   /// is taken for it: "/home/ann/chair/textures/wood.png" finds "textures/wood.png" or "wood.png".
   Found find_asset(const std::string& reference) const;
-  /// What messages call the root: "the scene's folder", or "the asset root 'DIR'".
-  std::string shown_root() const;
+  /// What messages call the root: "the scene's folder", or "the asset root 'DIR'". With a reference
+  /// that leads out of it comes which root would hold that, too.
+  std::string shown_root(const std::string& reference = {}) const;
 };
 
 }  // namespace tessera

@@ -72,7 +72,8 @@ std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& ass
   if (!file)
     throw scene_error({assets.root.string()},
                       fmt::format("texture '{}' names the file '{}', which is not inside {}",
-                                  texture.name(), texture.image().file(), assets.shown_root()),
+                                  texture.name(), texture.image().file(),
+ assets.shown_root(texture.image().file())),
                       "a file in that folder or below it");
   return *std::move(file);
 }

@@ -78,7 +78,7 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
   if (!note.empty()) notes.add(fmt::format("material library {}", to_utf8(note)));
   if (!file) {
     notes.add(fmt::format("material library '{}' lies outside {} and is not read", to_utf8(written),
-                          assets.shown_root()));
+                          assets.shown_root(name)));
   } else if (!is_there(*file)) {
     notes.add(fmt::format("material library '{}' is not there", to_utf8(written)));
   } else if (has_text(*file)) {

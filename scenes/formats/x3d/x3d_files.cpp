@@ -67,7 +67,7 @@ X3dFiles::Found X3dFiles::find(const std::string& url, const std::string& folder
   from.folder = (from.folder / folder).lexically_normal();
   const auto [target, note] =
       takes_others ? from.find_asset(path) : AssetFolder::Found{from.find(path)};
-  if (!target) return {.reason = fmt::format("it is not inside {}", assets_->shown_root())};
+  if (!target) return {.reason = fmt::format("it is not inside {}", from.shown_root(path))};
   if (!is_input_file(*target)) return {.reason = "there is no such file"};
   return {.file = target->lexically_relative(assets_->folder).generic_string(), .note = note};
 }

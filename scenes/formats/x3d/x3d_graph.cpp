@@ -5,6 +5,7 @@
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
+#include "scenes/import/to_affine.h"
 
 namespace tessera {
 namespace {
@@ -181,12 +182,49 @@ bool X3dTranslator::find_view(const X3dNode& parent, const v1::Transform& path, 
   return false;
 }
 
-v1::Camera X3dTranslator::first_view() {
+v1::Transform X3dTranslator::path_of_file() const {
   v1::Transform path;
   if (document_.metres_per_unit() != 1)
     put_vec3(Vec3{1, 1, 1} * document_.metres_per_unit(), path.add_steps()->mutable_scale());
+  return path;
+}
+
+v1::Camera X3dTranslator::first_view() {
   v1::Camera out;
-  return find_view(document_.scene(), path, 0, out) ? out : default_camera();
+  return find_view(document_.scene(), path_of_file(), 0, out) ? out : default_camera();
+}
+
+double X3dTranslator::rough_extent() {
+  const bool has_lines = std::ranges::any_of(
+      document_.nodes(), [](const X3dNode& node) { return is_x3d_lines(node.type); });
+  if (!has_lines) return 0;
+  std::set<const X3dNode*> seen;
+  Bounds3 all;
+  add_points(document_.scene(), path_of_file(), 0, seen, all);
+  return all.empty() ? 0 : length(all.diagonal());
+}
+
+void X3dTranslator::add_points(const X3dNode& parent, const v1::Transform& path, int depth,
+                               std::set<const X3dNode*>& seen, Bounds3& out) const {
+  if (depth > X3dBuild::kMaxDepth || !seen.insert(&parent).second) return;
+  for (const X3dNode* child : shown_children(parent)) {
+    if (is_group(child->type)) {
+      v1::Transform inner = path;
+      if (has_transform(child->type)) inner.MergeFrom(transform(*child));
+      add_points(*child, inner, depth + 1, seen, out);
+    }
+    if (child->type != "Shape") continue;
+    const X3dNode* const geometry = child->child("geometry");
+    const X3dNode* const coord = geometry ? geometry->child("coord") : nullptr;
+    // What has sizes of its own is about as large as nodes are by default.
+    const std::vector<float> numbers =
+        coord ? values_.points(*coord) : std::vector<float>{-1, -1, -1, 1, 1, 1};
+    const Affine to_world = to_affine(path);
+    for (size_t i = 0; i + 2 < numbers.size(); i += 3) {
+      const Point3 at = to_world(Point3{numbers[i], numbers[i + 1], numbers[i + 2]});
+      if (is_finite(at - Point3{})) out.extend(at);
+    }
+  }
 }
 
 void X3dTranslator::add_node(const X3dNode& node, const v1::Transform& path, Nodes& out) {

@@ -13,7 +13,11 @@ LoadedScene read_first(std::string_view bytes, const std::string& name, const Re
   X3dBuild build{.options = options, .files = std::move(files)};
   // Its warnings and errors come again, among all that there are.
   AllFailures on_the_way;
-  on_the_way.attempt([&] { build.view = X3dTranslator(document, build, "").first_view(); });
+  on_the_way.attempt([&] {
+    X3dTranslator ahead(document, build, "");
+    build.view = ahead.first_view();
+    if (build.view.frame_all()) build.framed_extent = ahead.rough_extent();
+  });
   X3dTranslator translator(document, build, "");
   translator.add_all({}, 1, *build.out.scene.mutable_nodes());
   on_the_way.throw_if_any();

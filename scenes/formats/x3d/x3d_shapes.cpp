@@ -104,7 +104,9 @@ X3dPen X3dTranslator::pen(const X3dNode* line_properties, const v1::Transform& p
   const v1::Camera& view = build_.view;
   const Affine world_from_camera = to_affine(view.world_from_camera());
   X3dPen out{.camera_from_node = inverse(world_from_camera) * to_affine(path)};
-  if (view.has_orthographic()) {
+  if (view.frame_all()) {
+    out.width = width * build_.framed_extent;
+  } else if (view.has_orthographic()) {
     const v1::Orthographic& window = view.orthographic();
     constexpr double kDefaultSide = 2;
     const double side = window.has_min_x() ? std::min(window.max_x() - window.min_x(),

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scenes/import/three_quarters.h"
+
 namespace tessera {
 
 void add_translation(const Vec3& by, v1::Transform& out) {
@@ -18,8 +20,12 @@ void add_rotation(const X3dRotation& turn, v1::Transform& out) {
 v1::Camera default_camera() {
   v1::Camera camera;
   camera.set_name("default");
-  add_translation({0, 0, 10}, *camera.mutable_world_from_camera());
+  v1::LookAt& look = *camera.mutable_world_from_camera()->add_steps()->mutable_look_at();
+  put_vec3(three_quarters(), look.mutable_eye());
+  put_vec3({}, look.mutable_target());
   camera.mutable_perspective()->set_field_of_view(45);
+  camera.mutable_perspective()->set_axis(v1::Perspective::SMALLER);
+  camera.set_frame_all(true);
   return camera;
 }
 

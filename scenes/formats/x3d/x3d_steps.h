@@ -20,7 +20,7 @@ inline void put_vec3(const Vec3& v, v1::Vec3* out) {
 void add_translation(const Vec3& by, v1::Transform& out);
 void add_rotation(const X3dRotation& turn, v1::Transform& out);
 
-/// Where a file without a viewpoint is seen from.
+/// From where a file without a viewpoint is seen: as a model without a camera, all of it.
 v1::Camera default_camera();
 
 /// How much longer lengths become: the cube root of the volume's factor.

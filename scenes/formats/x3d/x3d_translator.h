@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/all_failures.h"
+#include "renderer/math/bounds.h"
 #include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/formats/x3d/document/x3d_nodes.h"
 #include "scenes/formats/x3d/document/x3d_values.h"
@@ -38,6 +39,7 @@ struct X3dBuild {
   std::map<std::string, std::string> data_pictures{};  ///< what data: URIs hold, by the URI
   std::string placeholder{};  ///< the texture that stands for pictures which are missing
   v1::Camera view{};          ///< from which the scene is seen unless another one is asked for
+  double framed_extent = 0;   ///< metres across all that a view is framed for
 
   /// `wish`, or that with a number behind it; from now on it is taken.
   static std::string unique(X3dNames& names, const std::string& wish);
@@ -64,6 +66,9 @@ class X3dTranslator {
   void finish();
   /// The first viewpoint of the file itself, else the one that a file without any has.
   v1::Camera first_view();
+  /// About how far apart the points of the file itself are, in metres; for lines and points, which
+  /// are as wide as the picture asks for. 0 where it has none of these.
+  double rough_extent();
 
  private:
   // The graph (x3d_graph.cpp). `path` leads from the frame of the children to the world.
@@ -89,6 +94,9 @@ class X3dTranslator {
   /// Nothing where its frame is flat.
   std::optional<v1::Camera> make_camera(const X3dNode& node, const v1::Transform& path) const;
   bool find_view(const X3dNode& parent, const v1::Transform& path, int depth, v1::Camera& out);
+  void add_points(const X3dNode& parent, const v1::Transform& path, int depth,
+                  std::set<const X3dNode*>& seen, Bounds3& out) const;
+  v1::Transform path_of_file() const;
   void add_light(const X3dNode& node, Nodes& out);
   void set_attenuation(const X3dNode& node, v1::Light& light);
   void set_background(const X3dNode& node, const v1::Transform& path);

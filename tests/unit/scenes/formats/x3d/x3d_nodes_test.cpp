@@ -219,6 +219,38 @@ TEST(X3dNodes, ViewpointsMayStandInAGroupOfTheirOwn) {
   EXPECT_EQ(scene.cameras(2).name(), "C");
 }
 
+size_t lit_pixels(const std::string& scene) {
+  const std::vector<float> values = render_loaded(parse_classic(scene), 32, 32);
+  size_t lit = 0;
+  for (size_t i = 0; i < values.size(); i += 3) lit += values[i] > 0;
+  return lit;
+}
+
+TEST(X3dNodes, AFileWithoutAViewpointShowsAllOfIt) {
+  EXPECT_TRUE(parse_classic("Shape { geometry Box { } }").scene.cameras(0).frame_all());
+  const auto box = [](const std::string& move, const std::string& size) {
+    return lit_pixels("Transform { translation " + move + " children Shape { geometry Box { size " +
+                      size + " } } }");
+  };
+  const size_t lit = box("0 0 0", "2 2 2");
+  EXPECT_GT(lit, 32u * 32 / 4);
+  for (const auto& [move, size] : {std::pair{"500 0 0", "2 2 2"}, std::pair{"0 0 10", "2 2 2"},
+                                   std::pair{"0 -7 0", ".01 .01 .01"}, std::pair{"0 0 0", "4e4 4e4 4e4"}})
+    EXPECT_NEAR(static_cast<double>(box(move, size)), static_cast<double>(lit), 8) << move;
+}
+
+TEST(X3dNodes, LinesAreAsWideInAViewOfAllOfIt) {
+  const auto line = [](const std::string& half, const std::string& before = "") {
+    return lit_pixels(before + "Shape { geometry LineSet { vertexCount [ 2 ] coord Coordinate { point [ -" +
+                      half + " 0 0, " + half + " 0 0 ] } } }");
+  };
+  const size_t lit = line("1");
+  EXPECT_GT(lit, 4u);
+  for (const std::string half : {"1000", ".001"}) EXPECT_EQ(line(half), lit) << half;
+  const std::string all = "Viewpoint { viewAll TRUE } ";
+  EXPECT_EQ(line("1000", all), line("1", all));
+}
+
 TEST(X3dNodes, LightsSayWhomTheyReach) {
   const auto scoped = [](const std::string& light) {
     return scene_of(light).nodes(0).light().scoped();

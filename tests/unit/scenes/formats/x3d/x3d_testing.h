@@ -28,10 +28,13 @@ inline std::vector<float> render_loaded(const LoadedScene& loaded, int width, in
   return render_rect(*renderer, {0, 0, width, height}).values;
 }
 
+/// Seen from a Viewpoint's default place, unless the scene has one.
 inline std::vector<float> render_x3d(const std::string& scene, int width, int height,
                                      const std::string& version = "3.3",
                                      const ReadOptions& options = {}) {
-  return render_loaded(parse_classic(scene, version, options), width, height);
+  const bool has_view = scene.find("Viewpoint") != std::string::npos;
+  return render_loaded(parse_classic((has_view ? "" : "Viewpoint { } ") + scene, version, options),
+                       width, height);
 }
 
 }  // namespace tessera

@@ -1,0 +1,47 @@
+#include "front/picture_warnings.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+JobReport report(uint64_t hits, uint64_t instances, uint64_t hidden) {
+  JobReport made;
+  made.counters["hits"] = hits;
+  made.build_counters = {{"instances", instances}, {"nodes_hidden", hidden}};
+  made.tiles_total = made.tiles_done = 4;
+  return made;
+}
+
+std::string only_warning(const JobReport& of) {
+  const auto warnings = report_warnings(of);
+  return warnings.size() == 1 ? warnings[0] : std::to_string(warnings.size()) + " warnings";
+}
+
+TEST(ReportWarnings, TellWhyNothingIsSeen) {
+  EXPECT_TRUE(report_warnings(report(1, 1, 0)).empty());
+  EXPECT_NE(only_warning(report(0, 3, 1)).find("--frame-all"), std::string::npos);
+  EXPECT_NE(only_warning(report(0, 0, 2)).find("nodes that are not hidden"), std::string::npos);
+  EXPECT_NE(only_warning(report(0, 0, 0)).find("nodes with shapes"), std::string::npos);
+  JobReport filled = report(0, 3, 0);  // whose tiles look past everything, and count nothing
+  filled.counters.clear();
+  EXPECT_NE(only_warning(filled).find("no ray meets a surface"), std::string::npos);
+}
+
+TEST(ReportWarnings, TellNothingOfWhatWasNotTracedNow) {
+  JobReport kept = report(0, 1, 0);
+  kept.tiles_restored = 4;
+  EXPECT_TRUE(report_warnings(kept).empty());
+  JobReport stopped = report(0, 1, 0);
+  stopped.end = JobReport::End::interrupted;
+  EXPECT_TRUE(report_warnings(stopped).empty());
+}
+
+TEST(ReportWarnings, CountWhatHadNoColour) {
+  JobReport odd = report(9, 1, 0);
+  odd.counters["nan_samples"] = 2;
+  EXPECT_TRUE(only_warning(odd).starts_with("2 samples had no colour"));
+}
+
+}  // namespace
+}  // namespace tessera
