@@ -2,12 +2,11 @@
 """A build with -DTESSERA_STUDIO=OFF runs no node, and embeds the page that says what is lacking."""
 import pathlib
 import subprocess
-import sys
 import unittest
 
+from tessera_process import TesseraTest
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/cli"))
-from tessera_process import TesseraTest  # noqa: E402
 
 
 class StudioOff(TesseraTest):
