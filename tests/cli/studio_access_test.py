@@ -4,6 +4,7 @@ changed, themes, and what axe finds."""
 import pathlib
 import unittest
 
+from png import read_png
 from studio_browser import StudioPageTest
 from studio_case import SCENE
 from tessera_process import PROGRAM, wait_until
@@ -138,6 +139,33 @@ class Themes(AccessTest):
             wait_until(lambda: kept.exists() and f'"{theme}"' in kept.read_text(), "the program keeps it")
             self.navigate(page)
             self.until(page, lambda state: state["theme"] == theme, f"{theme} again")
+
+    def test_the_theme_is_the_systems_where_that_is_chosen(self):
+        page = self.begin()
+        self.run_command(page, "Theme: as the system")
+        for theme in ("dark", "light", "dark"):
+            page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+            self.until(page, lambda state: state["theme"] == theme, f"the system is {theme}")
+        self.run_command(page, "Theme: light")
+        self.until(page, lambda state: state["theme"] == "light", "a theme that is chosen is that, whatever the system has")
+
+    def test_the_ground_of_the_picture_is_chequered_by_theme(self):
+        page = self.begin(file=None)
+        grounds = {}
+        for theme in ("dark", "light"):
+            self.run_command(page, f"Theme: {theme}")
+            self.until(page, lambda state: state["theme"] == theme, theme)
+            page.wait_for_frames()
+            page.screenshot(self.folder / "ground.png")
+            width, _, pixels = read_png(self.folder / "ground.png")
+            bytes_a_pixel = len(pixels) // (width * 720)
+            _, _, x, y, _, _ = map(round, page.box(".picture"))
+            # Squares of 20 pixels: the middles of the first four in a row.
+            grounds[theme] = [pixels[((y + 10) * width + x + 10 + 20 * square) * bytes_a_pixel:][:3] for square in range(4)]
+            first, second = grounds[theme][:2]
+            self.assertNotEqual(first, second)
+            self.assertEqual([first, second] * 2, grounds[theme])
+        self.assertNotEqual(grounds["dark"], grounds["light"])
 
     def test_contrast_is_chosen_or_the_systems(self):
         page = self.begin()

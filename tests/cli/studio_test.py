@@ -128,7 +128,92 @@ class Typing(StudioPageTest):
         page.press("Escape")
         self.assertEqual(SCENE, page.script)
 
-    def test_many_cursors_and_indentation(self):
+    def test_replacing_by_keys(self):
+        page = self.begin()
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Home")
+        page.press("Ctrl-H")
+        page.type("name")
+        found = []
+        for key in ("F3", "F3", "F3", "Shift-F3"):
+            page.press(key)
+            found.append(page.state["selection"]["line"])
+        self.assertEqual([2, 4, 5, 4], found)
+        page.evaluate("document.querySelector('.cm-search [name=replace]').focus()")
+        page.type("other")
+        page.click_on(".cm-search button", "replace all")
+        self.assertEqual(SCENE.replace("name", "other"), page.script)
+        page.press("Escape")
+        wait_until(lambda: not page.has(".cm-search"), "the search is closed")
+
+    def test_many_cursors(self):
+        page = self.begin()
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Home")
+        page.press("Ctrl-Alt-Down", 2)
+        page.type("#")
+        first, second, third, rest = SCENE.split("\n", 3)
+        self.assertEqual(f"#{first}\n#{second}\n#{third}\n{rest}", page.script)
+        page.press("Ctrl-Z")
+        self.assertEqual(SCENE, page.script)
+        # The words that are the same as the selected one get cursors, too.
+        page.press("Escape")
+        self.write_at(page, 4, "", end=False)
+        page.press("Right", SCENE.split("\n")[3].index('red"') + 1)
+        page.press("Ctrl-D", 2)
+        page.type("blue")
+        self.assertEqual(SCENE.replace("red", "blue"), page.script)
+        self.until_final(page)
+
+    def test_text_that_is_composed_comes_once(self):
+        page = self.begin()
+        self.write_at(page, 1, " # ")
+        before = page.script
+        for part in ("に", "にh", "にほ", "にほん"):
+            page.call("Input.imeSetComposition", text=part, selectionStart=len(part), selectionEnd=len(part))
+            page.wait_for_frames()
+        self.assertEqual(before.replace(" # ", " # にほん"), page.script)
+        page.call("Input.insertText", text="日本")
+        composed = before.replace(" # ", " # 日本")
+        self.assertEqual(composed, page.script)
+        # A key that ends another composition is the input method's, and no command's.
+        page.call("Input.imeSetComposition", text="ä", selectionStart=1, selectionEnd=1)
+        page.call("Input.imeSetComposition", text="", selectionStart=0, selectionEnd=0)
+        self.assertEqual(composed, page.script)
+        page.press("Ctrl-S")
+        self.until(page, lambda state: not state["dirty"], "it is saved")
+        self.assertEqual(composed, self.saved())
+
+    def test_the_ruler_stands_at_column_120(self):
+        self.scene(text=SCENE + "# " + "x" * 130)
+        page = self.begin(scene=False)
+        page.press("F1")
+        page.type("Layout: CRT")  # whose script is wide
+        page.press("Enter")
+        self.until(page, lambda state: state["layout"]["preset"] == "CRT", "the script is wide")
+        self.write_at(page, SCENE.count("\n") + 1, "", end=False)
+        page.press("Right", 120)
+
+        def lefts():
+            page.wait_for_frames()
+            return page.evaluate("['.ruler', '.cm-cursor-primary'].map((each) => document.querySelector(each).getBoundingClientRect().left)")
+        wait_until(lambda: (found := lefts()) and abs(found[0] - found[1]) < 2, "the ruler is behind 120 columns")
+
+    def test_occurrences_of_the_selected_word_are_framed_and_marked_beside_the_scroll_bar(self):
+        page = self.begin()
+        self.write_at(page, 4, "", end=False)
+        page.press("Right", SCENE.split("\n")[3].index('red"') + 1)
+        self.assertEqual(0, page.evaluate("document.querySelectorAll('.overview .occurrence').length"))
+        page.press("Ctrl-D")
+        framed = "[...document.querySelectorAll('.cm-selectionMatch')].map((each) => [each.textContent, getComputedStyle(each).outlineStyle])"
+        wait_until(lambda: page.evaluate(framed) == [["red", "solid"]], "the other one is framed")
+        tops = "[...document.querySelectorAll('.overview .occurrence')].map((each) => Math.round(parseFloat(each.style.top)))"
+        lines = SCENE.count("\n") + 1
+        wait_until(lambda: page.evaluate(tops) == [round((line - .5) / lines * 100) for line in (4, 5)], "both have marks at their height")
+        page.press("Right")
+        wait_until(lambda: page.evaluate(tops) == [], "nothing is selected any more")
+
+    def test_lines_are_indented_as_they_are_typed(self):
         page = self.begin()
         page.click_on(".cm-scroller")
         page.press("Ctrl-End")
@@ -240,6 +325,20 @@ class Live(StudioPageTest):
         page.press("Space")
         wait_until(lambda: not page.has("#view-words", "paused"), "it goes on")
         self.until_final(page)
+
+    def test_the_title_tells_how_far_the_picture_has_come(self):
+        self.scene(text=SCENE.replace("samples_per_pixel: 4", "samples_per_pixel: 65536"))
+        self.running = self.studio("--workers", 1)
+        page = self.visit(None)
+        page.click_on('.panel-files [role="option"]', "scene.tessera")
+        title = wait_until(lambda: (told := page.evaluate("document.title"))[:1].isdigit() and told, "it is told")
+        self.assertRegex(title, r"^\d+ % – scene\.tessera – Tessera Studio$")
+        self.write_at(page, 1, "", end=False)
+        page.press("Right", SCENE.index("4 } }"))
+        page.press("Delete", 5)
+        page.type("1")
+        self.until_final(page)
+        wait_until(lambda: page.evaluate("document.title") == "• scene.tessera – Tessera Studio", "the picture is done")
 
     def test_rendering_on_save_and_by_hand(self):
         page = self.begin()
@@ -489,6 +588,49 @@ class Numbers(StudioPageTest):
         type_in("Eye z", "0")
         wait_until(lambda: page.has(".camera-fields label.wrong .why", "an eye that is not at the target"), "it is wrong")
         self.assertEqual(moved, page.state["camera"])
+
+
+    def test_width_and_height_are_typed(self):
+        page = self.begin()
+        self.write_at(page, 1, "", end=False)
+        page.click_on('[role="tab"]', "Properties")
+        self.until(page, lambda state: state["selection"]["entity"] == "settings", "the settings are selected")
+
+        def type_in(label, text):
+            wait_until(lambda: page.evaluate(f"""(() => {{ const field = [...document.querySelectorAll(".panel-properties label.number")].find((each) =>
+                each.querySelector("span").textContent === {label!r}); field?.querySelector("input").focus(); return field !== undefined; }})()"""), label)
+            page.press("Ctrl-A")
+            page.call("Input.insertText", text=text)  # at once, as what is pasted: some begin with what is right
+
+        # What LUX's own tests type, and more.
+        for label, wrong in (("width", ("blah", "0", "65537", "9.5")), ("height", ("-1", "1e2", "nan"))):
+            for text in wrong:
+                type_in(label, text)
+                wait_until(lambda: page.evaluate("document.activeElement.ariaInvalid") == "true", f"{label}: {text} is wrong")
+                why = page.evaluate("document.getElementById(document.activeElement.getAttribute('aria-describedby')).textContent")
+                self.assertIn("expected a whole number from 1 to 65536", why)
+                self.assertEqual(SCENE, page.script)
+        type_in("height", "64")
+        wait_until(lambda: page.script == SCENE.replace("height: 54", "height: 64"), "the literal is replaced")
+
+    def test_no_full_picture_is_made_while_a_field_is_wrong(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+        page.evaluate("""[...document.querySelectorAll(".view-options label.number")].find((each) =>
+            each.textContent.startsWith("Samples")).querySelector("input").focus()""")
+        page.type("none")
+        wait_until(lambda: page.has(".view-options label.wrong"), "it is wrong")
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-Enter")
+        wait_until(lambda: page.has(".notice.error", "Samples: found “none”; expected a whole number"), "it is said")
+        self.assertEqual("none", page.evaluate("document.activeElement.value"), "the field has the focus")
+        page.click_on('[role="tab"]', "Farm")
+        self.assertFalse(page.has('table[aria-label="Full pictures"]'))
+        page.evaluate("document.querySelector('.view-options label.wrong input').focus()")
+        page.press("Ctrl-A")
+        page.type("2")
+        page.press("Ctrl-Enter")
+        wait_until(lambda: page.has('table[aria-label="Full pictures"]', "done"), "it is made once no field is wrong")
 
 
 class Tone(StudioPageTest):

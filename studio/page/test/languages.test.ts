@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { StreamLanguage, foldable, type StreamParser } from "@codemirror/language";
+import { StreamLanguage, foldable, syntaxTree, type StreamParser } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
 import { classHighlighter, highlightTree } from "@lezer/highlight";
 import { highlighter } from "../src/languages/highlighter.js";
@@ -42,6 +42,30 @@ test("obj, mtl, ply and stl", () => {
   assert.deepEqual(tokens(obj, "v 1 -2 .5\nusemtl red\n# c"), ["v=propertyName", "1=number", "-2=number", ".5=number", "usemtl=keyword", "red=string", "# c=comment"]);
   assert.ok(tokens(ply, "ply\ncomment made\nelement vertex 3\nproperty float x").includes("float=typeName"));
   assert.ok(tokens(stl, "solid a\nfacet normal 0 0 1").includes("facet=keyword"));
+});
+
+/** The words of a file's text with the classes that the editor gives them. */
+function highlighted(file: string, text: string): string[] {
+  const editor = EditorState.create({ doc: text, extensions: languageOf(file) });
+  const found: string[] = [];
+  highlightTree(syntaxTree(editor), highlighter, (from, to, classes) => found.push(`${text.slice(from, to)}=${classes.replace(/tok-/g, "")}`));
+  return found;
+}
+
+test("json and gltf", () => {
+  for (const file of ["a.json", "a.gltf"]) {
+    assert.deepEqual(highlighted(file, '{"asset": {"version": "2.0"}, "scene": 0, "on": [true, null]}'), [
+      '"asset"=propertyName', '"version"=propertyName', '"2.0"=string', '"scene"=propertyName', "0=number",
+      '"on"=propertyName', "true=bool", "null=keyword",
+    ]);
+  }
+});
+
+test("the XML encoding of X3D", () => {
+  const found = highlighted("a.x3d", '<!-- note --><Sphere radius="2.5"/>');
+  for (const expected of ["<!-- note -->=comment", "Sphere=typeName", "radius=propertyName", '"2.5"=string']) {
+    assert.ok(found.includes(expected), `${expected} in ${found}`);
+  }
 });
 
 test("languages have names", () => {

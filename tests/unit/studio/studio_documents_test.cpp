@@ -115,6 +115,23 @@ TEST_F(StudioDocuments, AFileThatIsGoneIsWrittenAnewOnceThatWasTold) {
   EXPECT_EQ(disk_.files["a.tessera"], "one\ntwo\n");
 }
 
+TEST_F(StudioDocuments, ThirtyTwoFilesAreOpenAtMost) {
+  connect(1);
+  const auto open = [&](int number) {
+    const std::string file = "f" + std::to_string(number) + ".tessera";
+    disk_.files[file] = "text\n";
+    say(1, {{"open", {{"file", file}}}});
+  };
+  for (int i = 0; i < 32; ++i) open(i);
+  EXPECT_EQ(heard(1, "document").size(), 32u);
+  open(32);
+  EXPECT_EQ(heard(1, "refused").at(0)["why"], "32 files are open; expected at most that many");
+  say(1, {{"close", {{"file", "f0.tessera"}}}});
+  open(32);
+  EXPECT_EQ(heard(1, "document").size(), 1u);
+  EXPECT_EQ(heard(1, "refused").size(), 0u);
+}
+
 TEST_F(StudioDocuments, ATextThatNobodyEditsFollowsTheDisk) {
   connect(1, "see");
   say(1, {{"open", {{"file", "a.tessera"}}}});
