@@ -202,11 +202,11 @@ std::vector<std::string> report_warnings(const JobReport& report) {
   const bool is_traced = report.end == JobReport::End::done && report.tiles_restored == 0;
   if (is_traced && count(report.counters, "hits") == 0) {
     const bool has_surfaces = count(report.build_counters, "instances") > 0;
-    warnings.push_back(fmt::format(
-        "no ray meets a surface, so that only the background is seen; expected {}",
-        has_surfaces ? "a camera that looks at what there is, as with --frame-all"
-        : count(report.build_counters, "nodes_hidden") > 0 ? "nodes that are not hidden"
-                                                           : "nodes with shapes"));
+    warnings.push_back(
+        fmt::format("no ray meets a surface, so that only the background is seen; expected {}",
+                    has_surfaces ? "a camera that looks at what there is, as with --frame-all"
+                    : count(report.build_counters, "nodes_hidden") > 0 ? "nodes that are not hidden"
+                                                                       : "nodes with shapes"));
   }
   return warnings;
 }

@@ -118,10 +118,10 @@ AssetFolder::Found included_file(const AssetFolder& assets, const fs::path& file
   const AssetFolder from = assets.from(file.parent_path());
   AssetFolder::Found found = from.find_asset(include.file());
   if (!found.file)
-    throw scene_error(
-        {file.string()},
-        fmt::format("includes '{}', which is not inside {}", include.file(), from.shown_root(include.file())),
-        "a file in that folder or below it");
+    throw scene_error({file.string()},
+                      fmt::format("includes '{}', which is not inside {}", include.file(),
+                                  from.shown_root(include.file())),
+                      "a file in that folder or below it");
   return found;
 }
 

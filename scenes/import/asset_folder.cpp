@@ -100,8 +100,7 @@ std::string AssetFolder::shown_root(const std::string& reference) const {
   fs::path wider = root;
   while (!is_inside(target, wider)) wider = wider.parent_path();
   const bool would_help = wider != root && wider != wider.root_path();
-  return shown +
-         (would_help ? fmt::format(" (--assets '{}' would hold it)", wider.string()) : "");
+  return shown + (would_help ? fmt::format(" (--assets '{}' would hold it)", wider.string()) : "");
 }
 
 }  // namespace tessera

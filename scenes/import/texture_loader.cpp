@@ -70,11 +70,11 @@ std::filesystem::path file_of(const v1::Texture& texture, const AssetFolder& ass
   auto [file, note] = assets.find_asset(texture.image().file());
   if (!note.empty()) add_note(note, texture.name(), loaded);
   if (!file)
-    throw scene_error({assets.root.string()},
-                      fmt::format("texture '{}' names the file '{}', which is not inside {}",
-                                  texture.name(), texture.image().file(),
- assets.shown_root(texture.image().file())),
-                      "a file in that folder or below it");
+    throw scene_error(
+        {assets.root.string()},
+        fmt::format("texture '{}' names the file '{}', which is not inside {}", texture.name(),
+                    texture.image().file(), assets.shown_root(texture.image().file())),
+        "a file in that folder or below it");
   return *std::move(file);
 }
 

@@ -24,7 +24,8 @@ void check_file(const std::string& written, CrtSpan where, const AssetFolder& as
   }
   const auto file = assets.find_asset(reference).file;
   if (!file)
-    diagnostics.error(where, fmt::format("'{}' is not inside {}", written, assets.shown_root(reference)),
+    diagnostics.error(where,
+                      fmt::format("'{}' is not inside {}", written, assets.shown_root(reference)),
                       "a file in that folder or below it");
   else if (!is_input_file(*file))
     diagnostics.error(where, fmt::format("there is no file '{}'", file->string()),

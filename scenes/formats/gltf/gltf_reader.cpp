@@ -465,7 +465,8 @@ LoadedScene read_gltf(const std::string& path, const ReadOptions& options) {
   const AssetFolder assets(path, options.assets);
   GltfFile file(bytes, path, [&](const std::string& name) {
     const auto [found, note] = assets.find_asset(name);
-    if (!found) throw scene_error(fmt::format("'{}' is not inside {}", name, assets.shown_root(name)));
+    if (!found)
+      throw scene_error(fmt::format("'{}' is not inside {}", name, assets.shown_root(name)));
     std::string held = read_input_file(found->string(), kMaxBytes);
     if (!note.empty()) file.warnings().add(fmt::format("buffer {}", note));
     return held;

@@ -1,5 +1,6 @@
 // What clause 17 of ISO/IEC 19775-1 and the geometry clauses say of single pixels, from X3D's own
-// text to the traced value. The camera is at a Viewpoint's default place, (0, 0, 10), looking along -z.
+// text to the traced value. The camera is at a Viewpoint's default place, (0, 0, 10), looking along
+// -z.
 #include <gtest/gtest.h>
 
 #include <cmath>

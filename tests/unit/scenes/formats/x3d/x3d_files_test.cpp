@@ -96,16 +96,18 @@ TEST_F(X3dFilesTest, WhatCannotBeInlinedIsLeftOutWithAReason) {
   for (const std::string& warning : loaded.warnings)
     all += warning.substr(warning.find("main.x3dv:")) + "\n";
   const std::string inside = " is left out: it is not inside the scene's folder\n";
-  EXPECT_EQ(all,
-            "main.x3dv:2:1: Inline of '../secret.x3dv' is left out: it is not inside the scene's folder "
-            "(--assets '" + fs::canonical(outside_).string() + "' would hold it)\n" +
-                "main.x3dv:3:1: Inline of 'link.x3dv'" + inside +
-                "main.x3dv:4:1: Inline of 'https://example.org/a.x3d' is left out: only files are "
-                "read, and nothing from the network\nmain.x3dv:5:1: Inline of '" +
-                (outside_ / "secret.x3dv").string() +
-                "' is left out: it is not inside the scene's folder (--assets '" +
-                fs::canonical(outside_).string() + "' would hold it)\n" +
-                "main.x3dv:6:1: Inline of 'no.x3d' is left out: there is no such file\n");
+  EXPECT_EQ(
+      all,
+      "main.x3dv:2:1: Inline of '../secret.x3dv' is left out: it is not inside the scene's folder "
+      "(--assets '" +
+          fs::canonical(outside_).string() + "' would hold it)\n" +
+          "main.x3dv:3:1: Inline of 'link.x3dv'" + inside +
+          "main.x3dv:4:1: Inline of 'https://example.org/a.x3d' is left out: only files are "
+          "read, and nothing from the network\nmain.x3dv:5:1: Inline of '" +
+          (outside_ / "secret.x3dv").string() +
+          "' is left out: it is not inside the scene's folder (--assets '" +
+          fs::canonical(outside_).string() + "' would hold it)\n" +
+          "main.x3dv:6:1: Inline of 'no.x3d' is left out: there is no such file\n");
 }
 
 TEST_F(X3dFilesTest, WhatCannotBeReadIsLeftOutAsWhatIsMissing) {

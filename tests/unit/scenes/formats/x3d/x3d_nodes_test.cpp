@@ -234,14 +234,16 @@ TEST(X3dNodes, AFileWithoutAViewpointShowsAllOfIt) {
   };
   const size_t lit = box("0 0 0", "2 2 2");
   EXPECT_GT(lit, 32u * 32 / 4);
-  for (const auto& [move, size] : {std::pair{"500 0 0", "2 2 2"}, std::pair{"0 0 10", "2 2 2"},
-                                   std::pair{"0 -7 0", ".01 .01 .01"}, std::pair{"0 0 0", "4e4 4e4 4e4"}})
+  for (const auto& [move, size] :
+       {std::pair{"500 0 0", "2 2 2"}, std::pair{"0 0 10", "2 2 2"},
+        std::pair{"0 -7 0", ".01 .01 .01"}, std::pair{"0 0 0", "4e4 4e4 4e4"}})
     EXPECT_NEAR(static_cast<double>(box(move, size)), static_cast<double>(lit), 8) << move;
 }
 
 TEST(X3dNodes, LinesAreAsWideInAViewOfAllOfIt) {
   const auto line = [](const std::string& half, const std::string& before = "") {
-    return lit_pixels(before + "Shape { geometry LineSet { vertexCount [ 2 ] coord Coordinate { point [ -" +
+    return lit_pixels(before +
+                      "Shape { geometry LineSet { vertexCount [ 2 ] coord Coordinate { point [ -" +
                       half + " 0 0, " + half + " 0 0 ] } } }");
   };
   const size_t lit = line("1");
