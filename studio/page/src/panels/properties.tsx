@@ -4,6 +4,7 @@ import type { Entity, Field } from "../core/protocol.js";
 import * as documents from "../documents.js";
 import { duplicate, remove, resetField, select, selected, setField } from "../entities.js";
 import * as state from "../state.js";
+import { timesMade, usePlaces } from "../view/filter.js";
 import { expectedWords, isOdd, PropertyValue } from "./property_value.js";
 
 const hidesDefaults = signal(false);
@@ -77,7 +78,15 @@ function Property({ entity, field }: { entity: Entity; field: Field }) {
   );
 }
 
+/** Says, before anything is changed, how much changes with it. */
+function TimesMade({ entity }: { entity: Entity }) {
+  const { file, entities } = state.outline.value!;
+  const times = timesMade(file, entities, entity.id);
+  return times > 1 ? <p class="times-made">This text makes {times} things: all of them change.</p> : null;
+}
+
 export function PropertiesPanel() {
+  usePlaces();
   const entity = selected.value;
   if (!entity) return <p class="empty">Select something: in the scene, in the script or on the picture.</p>;
   const path = pathTo(state.outline.value!.entities, entity.id);
@@ -104,6 +113,7 @@ export function PropertiesPanel() {
         <span class="spacer" />
         <label class="aside"><input type="checkbox" checked={hidesDefaults.value} onChange={(event) => (hidesDefaults.value = event.currentTarget.checked)} /> what is set alone</label>
       </nav>
+      <TimesMade entity={entity} />
       <div class="scroll">
         {shown.map((field) => <Property key={`${entity.id} ${field.name}`} entity={entity} field={field} />)}
         {isTold && shown.length === 0 && <p class="empty">It has no fields{fields.length > 0 ? " that are set" : ""}.</p>}
