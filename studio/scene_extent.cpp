@@ -53,7 +53,7 @@ class ExtentFinder {
     if (of_nodes_) {
       NodeExtent& extent = (*of_nodes_)[&node];
       extent.bounds.extend(found_);
-      ++extent.times;
+      if (extent.times++ == 0) extent.world = world;
     }
     found_.extend(others);
   }

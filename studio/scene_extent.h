@@ -6,6 +6,7 @@
 #include "front/free_camera.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/math/bounds.h"
+#include "renderer/math/transform.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
@@ -19,6 +20,7 @@ Bounds3 rough_bounds(const LoadedScene& loaded);
 struct NodeExtent {
   Bounds3 bounds;    ///< about
   size_t times = 0;  ///< how often it is placed; 0: not known
+  Affine world;      ///< from its axes to the world's, where it was found first
 };
 
 /// That of each node, by its number (proto/wire/node_numbers.h); at 0 nothing.

@@ -150,6 +150,11 @@ nlohmann::json centers_json(SourceMap& map) {
       size = {all.diagonal().x, all.diagonal().y, all.diagonal().z};
     }
     list.push_back({entity.file, entity.entity, std::move(center), std::move(size), times});
+    const Affine axes = nodes.itself.empty() ? Affine{} : extents[nodes.itself[0]].world;
+    if (axes == Affine{}) continue;
+    nlohmann::json& rows = list.back().emplace_back(nlohmann::json::array());
+    for (const auto& row : axes.m)
+      for (const double each : row) rows.push_back(each);
   }
   return {
       {"file", map.reading().file}, {"version", map.reading().version}, {"list", std::move(list)}};

@@ -462,6 +462,9 @@ export interface FarmJob {
   failure?: string;
 }
 
+/** Three rows of four numbers: what leads from the axes of something to those of the world. */
+export type Axes = readonly number[];
+
 export interface ChainLink {
   kind: string;
   name?: string;
@@ -550,8 +553,8 @@ export interface ToPage {
   /** Without a size nothing is pinned. */
   pinned: { pane: number; size?: [number, number] };
   compared: Comparison;
-  /** The entities that made something, with the centre of that where it ends; `times`: how many things are made by its text itself, 0 where that is not known. */
-  centers: { file: string; version: number; list: [file: string, entity: EntityId, center: Vector | null, size: Vector | null, times: number][] };
+  /** The entities that made something, with the centre of that where it ends; `times`: how many things are made by its text itself, 0 where that is not known; `axes`: where they are not the world's, the rows of the matrix that leads there. */
+  centers: { file: string; version: number; list: [file: string, entity: EntityId, center: Vector | null, size: Vector | null, times: number, axes?: Axes][] };
   workers: { list: WorkerReport[] };
   metrics: Metrics & { tile_times?: TileTimes };
   legend: Legend;

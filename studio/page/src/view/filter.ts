@@ -2,8 +2,8 @@
 
 import { computed, effect, signal, useSignalEffect } from "@preact/signals";
 import { around } from "../core/camera.js";
-import { timesOf, type EntityId } from "../core/entities.js";
-import type { Entity, EntityRef, ToPage, Vector } from "../core/protocol.js";
+import { pathTo, timesOf, type EntityId } from "../core/entities.js";
+import type { Axes, Entity, EntityRef, ToPage, Vector } from "../core/protocol.js";
 import * as program from "../program.js";
 import * as state from "../state.js";
 
@@ -13,6 +13,7 @@ interface Place {
   center: Vector | null;
   size: Vector | null;
   times: number;
+  axes?: Axes | undefined;
 }
 const places = signal<ReadonlyMap<string, Place>>(new Map());
 const keyOf = (file: string, entity: EntityId) => `${file}\n${entity}`;
@@ -34,6 +35,12 @@ export function centerOf(file: string, entity: EntityId): Vector | null | undefi
 /** How many things the text of an entity makes, as that of a macro which is called more than once. */
 export function timesMade(file: string, entities: readonly Entity[], entity: EntityId): number {
   return timesOf(entities, entity, (id) => places.value.get(keyOf(file, id))?.times);
+}
+
+/** The axes that an entity's numbers are in: those of the innermost thing that it is, or stands in; nothing where they are the world's. */
+export function axesOf(file: string, entities: readonly Entity[], entity: EntityId): Axes | undefined {
+  const path = pathTo(entities, entity).reverse();
+  return path.map((each) => places.peek().get(keyOf(file, each.id))).find(Boolean)?.axes;
 }
 
 /** The box of what an entity made; nothing: that has none, or is not known. */
@@ -101,7 +108,7 @@ export function whenPlacesAreKnown(what: () => void): void {
 }
 
 export function centersCame(message: ToPage["centers"]): void {
-  places.value = new Map(message.list.map(([file, entity, center, size, times]) => [keyOf(file, entity), { center, size, times }]));
+  places.value = new Map(message.list.map(([file, entity, center, size, times, axes]) => [keyOf(file, entity), { center, size, times, axes }]));
   const due = waiting;
   waiting = undefined;
   if (message.file === state.sceneFile.peek()) due?.();
