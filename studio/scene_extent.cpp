@@ -31,7 +31,7 @@ class ExtentFinder {
  public:
   /// Adds the extent of each node to those of `nodes`, if it is there.
   explicit ExtentFinder(const LoadedScene& loaded,
-                        std::unordered_map<const v1::Node*, Bounds3>* nodes = nullptr)
+                        std::unordered_map<const v1::Node*, NodeExtent>* nodes = nullptr)
       : loaded_(loaded), of_nodes_(nodes) {
     for (const v1::Object& object : loaded.scene.objects()) objects_[object.name()] = &object;
   }
@@ -41,13 +41,20 @@ class ExtentFinder {
     return found_;
   }
 
+  /// Whether all nodes were looked at.
+  bool is_whole() const { return nodes_ <= kMostNodes; }
+
  private:
   void visit(const v1::Node& node, const Affine& parent, int depth) {
     if (depth > kMostDepth || ++nodes_ > kMostNodes || node.hidden()) return;
     const Affine world = parent * to_affine(node.transform());
     const Bounds3 others = std::exchange(found_, {});
     visit_parts(node, world, depth);
-    if (of_nodes_) (*of_nodes_)[&node].extend(found_);
+    if (of_nodes_) {
+      NodeExtent& extent = (*of_nodes_)[&node];
+      extent.bounds.extend(found_);
+      if (extent.times++ == 0) extent.world = world;
+    }
     found_.extend(others);
   }
 
@@ -153,7 +160,7 @@ class ExtentFinder {
   }
 
   const LoadedScene& loaded_;
-  std::unordered_map<const v1::Node*, Bounds3>* of_nodes_;
+  std::unordered_map<const v1::Node*, NodeExtent>* of_nodes_;
   std::map<std::string, const v1::Object*> objects_;
   std::map<std::string, Bounds3> meshes_;  ///< by the digest of their positions
   size_t nodes_ = 0;
@@ -206,15 +213,17 @@ CameraSettings framed(const CameraSettings& settings, const Bounds3& bounds) {
 
 Bounds3 rough_bounds(const LoadedScene& loaded) { return ExtentFinder(loaded).find(); }
 
-std::vector<Bounds3> node_bounds(const LoadedScene& loaded) {
-  std::unordered_map<const v1::Node*, Bounds3> found;
-  ExtentFinder(loaded, &found).find();
-  std::vector<Bounds3> bounds(1);
+std::vector<NodeExtent> node_extents(const LoadedScene& loaded) {
+  std::unordered_map<const v1::Node*, NodeExtent> found;
+  ExtentFinder finder(loaded, &found);
+  finder.find();
+  std::vector<NodeExtent> extents(1);
   for_each_node(loaded.scene, [&](const v1::Node& node) {
     const auto at = found.find(&node);
-    bounds.push_back(at == found.end() ? Bounds3() : at->second);
+    extents.push_back(at == found.end() ? NodeExtent() : at->second);
+    if (!finder.is_whole()) extents.back().times = 0;
   });
-  return bounds;
+  return extents;
 }
 
 FreeCamera free_camera_of(const v1::Camera& camera, const Bounds3& bounds) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "front/free_camera.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/math/bounds.h"
+#include "renderer/math/transform.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
@@ -14,9 +16,15 @@ namespace tessera {
 /// need not have built the scene. Of very large scenes a part is looked at.
 Bounds3 rough_bounds(const LoadedScene& loaded);
 
-/// The same of each node, by its number (proto/wire/node_numbers.h), with all below it and wherever
-/// it is placed; at 0 nothing.
-std::vector<Bounds3> node_bounds(const LoadedScene& loaded);
+/// Where a node is with all below it, wherever it is placed.
+struct NodeExtent {
+  Bounds3 bounds;    ///< about
+  size_t times = 0;  ///< how often it is placed; 0: not known
+  Affine world;      ///< from its axes to the world's, where it was found first
+};
+
+/// That of each node, by its number (proto/wire/node_numbers.h); at 0 nothing.
+std::vector<NodeExtent> node_extents(const LoadedScene& loaded);
 
 /// A camera of the scene in the numbers of a pointer: what it looks at is the scene's middle, as
 /// far away as that is. Of one that frames all, about where the renderer places it: it sees the

@@ -177,6 +177,14 @@ SendText SourceReader::answer(const SourceOrder& order) {
     return answer("fields",
                   {{"version", version}, {"entity", request.entity}, {"fields", std::move(list)}});
   }
+  if (request.what == What::camera_text) {
+    const edit::Change change = write_camera(outline, request);
+    if (change.refusal) return refused(change.refusal->found, change.refusal->expected);
+    const edit::Outline made =
+        edit::outline(outline.language(), edit::apply_edits(outline.text(), change.edits));
+    const edit::Entity& camera = made.entities()[static_cast<size_t>(change.camera)];
+    return answer("camera_text", {{"text", edit::text_of(made.text(), camera.range)}});
+  }
   const edit::Change change = change_of(outline, entity, request);
   if (change.refusal) return refused(change.refusal->found, change.refusal->expected);
   return answer("change", {{"base", version},

@@ -21,7 +21,8 @@ constexpr std::array kSourceKinds{SourceKind{Source::What::set, "set", true},
                                   SourceKind{Source::What::fields, "fields", false},
                                   SourceKind{Source::What::placement, "placement", false},
                                   SourceKind{Source::What::complete, "complete", false},
-                                  SourceKind{Source::What::hover, "hover", false}};
+                                  SourceKind{Source::What::hover, "hover", false},
+                                  SourceKind{Source::What::camera_text, "camera_text", false}};
 
 const SourceKind& source_kind(Source::What what) {
   return *std::ranges::find(kSourceKinds, what, &SourceKind::what);

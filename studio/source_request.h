@@ -33,6 +33,7 @@ struct Source {
     placement,       ///< of `entity`
     complete,        ///< what can be typed at `offset`
     hover,           ///< what is known of the word at `offset`
+    camera_text,     ///< what write_camera would leave of the camera's text
   };
   What what = What::fields;
   std::string file;

@@ -83,7 +83,7 @@ class Studio::Impl {
         StudioFacts{.folder = folder_.path().string(),
                     .assets = options.assets.empty() ? "" : whole_path(options.assets).string(),
                     .file = scene_to_open(folder_, options.file),
-                    .version = kVersion,
+                    .version = kBuild,
                     .settings = settings_.general().dump(),
                     .workspace = settings_.of_folder(folder_.path()).dump(),
                     .run = random_hex(),

@@ -16,10 +16,14 @@
 namespace tessera {
 namespace {
 
-using NodesOfEntities = std::map<EntityRef, std::vector<uint32_t>>;
+struct MadeNodes {
+  /// Those that a call, a turn of a loop or an include made are its own, too.
+  std::vector<uint32_t> all;
+  std::vector<uint32_t> itself;  ///< those that its text describes
+};
+using NodesOfEntities = std::map<EntityRef, MadeNodes>;
 
-/// Which nodes each entity made: those that a call, a turn of a loop or an include made are its
-/// own, too.
+/// Which nodes each entity made.
 NodesOfEntities nodes_of_entities(SourceMap& map) {
   NodesOfEntities nodes;
   uint32_t number = 0;
@@ -29,7 +33,10 @@ NodesOfEntities nodes_of_entities(SourceMap& map) {
     const SourceChain chain = map.chain(part);
     for (size_t i = chain.at; i < chain.links.size(); ++i) {
       const SourceLink& link = chain.links[i];
-      if (!link.entity.empty()) nodes[{link.file, link.entity}].push_back(number);
+      if (link.entity.empty()) continue;
+      MadeNodes& made = nodes[{link.file, link.entity}];
+      made.all.push_back(number);
+      if (i == chain.at) made.itself.push_back(number);
     }
   });
   return nodes;
@@ -104,7 +111,7 @@ std::vector<uint32_t> hidden_nodes(const ViewFilter& filter, SourceMap& map) {
     std::set<uint32_t> numbers;
     for (const EntityRef& entity : entities) {
       const auto found = nodes.find(entity);
-      if (found != nodes.end()) numbers.insert(found->second.begin(), found->second.end());
+      if (found != nodes.end()) numbers.insert(found->second.all.begin(), found->second.all.end());
     }
     return numbers;
   };
@@ -130,17 +137,24 @@ void hide_nodes(const std::vector<uint32_t>& numbers, v1::Scene& scene) {
 }
 
 nlohmann::json centers_json(SourceMap& map) {
-  const std::vector<Bounds3> bounds = node_bounds(map.reading().scene->loaded);
+  const std::vector<NodeExtent> extents = node_extents(map.reading().scene->loaded);
   nlohmann::json list = nlohmann::json::array();
   for (const auto& [entity, nodes] : nodes_of_entities(map)) {
     Bounds3 all;
-    for (const uint32_t node : nodes) all.extend(bounds[node]);
+    for (const uint32_t node : nodes.all) all.extend(extents[node].bounds);
+    size_t times = 0;
+    for (const uint32_t node : nodes.itself) times += extents[node].times;
     nlohmann::json center, size;
     if (!all.empty()) {
       center = {all.center().x, all.center().y, all.center().z};
       size = {all.diagonal().x, all.diagonal().y, all.diagonal().z};
     }
-    list.push_back({entity.file, entity.entity, std::move(center), std::move(size)});
+    list.push_back({entity.file, entity.entity, std::move(center), std::move(size), times});
+    const Affine axes = nodes.itself.empty() ? Affine{} : extents[nodes.itself[0]].world;
+    if (axes == Affine{}) continue;
+    nlohmann::json& rows = list.back().emplace_back(nlohmann::json::array());
+    for (const auto& row : axes.m)
+      for (const double each : row) rows.push_back(each);
   }
   return {
       {"file", map.reading().file}, {"version", map.reading().version}, {"list", std::move(list)}};

@@ -34,7 +34,9 @@ std::vector<uint32_t> hidden_nodes(const ViewFilter& filter, SourceMap& map);
 void hide_nodes(const std::vector<uint32_t>& numbers, v1::Scene& scene);
 
 /// The entities that made nodes of the scene, each with centre and size of what they are, where
-/// that ends somewhere: {file, version, list: [[file, entity, [x, y, z] or null, the same], ...]}.
+/// that ends somewhere, and how many things are made by its text itself, 0 where that is not known;
+/// of those whose axes are not the world's the rows of the matrix that leads there: {file, version,
+/// list: [[file, entity, [x, y, z] or null, the same, number, [12 numbers]], ...]}.
 nlohmann::json centers_json(SourceMap& map);
 
 }  // namespace tessera

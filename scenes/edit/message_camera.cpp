@@ -127,6 +127,7 @@ Change write_message_camera(const Outline& outline, std::string_view name, const
     inserted.apply(add_message(outline, 0, {"camera", "cameras", {}}));
     camera = find_camera(inserted.now(), "");
     if (!camera) return inserted.finish();
+    inserted.keep(*camera);
     inserted.apply(write_message_camera(inserted.now(), "", pose));
     return inserted.finish();
   }

@@ -11,6 +11,18 @@ from tessera_process import is_worker, marked_processes, wait_until
 SPHERE = "o sphere\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
+SCRIPT = """red = Material { color -> rgb(.8, .1, .1) }
+Settings { camera -> Camera { position -> vec3(0, 1, -6) pointing -> vec3(0, 0, 0) fov -> 50 } }
+block = Macro(x) { Sphere { center -> vec3(x, 0, 0) radius -> .6 material -> red } }
+Scene {
+  Box { cornerA -> vec3(-9, -2, -9) cornerB -> vec3(9, -1, 9) material -> red }
+  block(-1)
+  i = 0
+  while (i < 3) { block(i) i = i + 1 }
+}
+"""
+
+
 class PanelsTest(StudioPageTest):
     def show(self, page, panel):
         page.click_on('[role="tab"]', panel)
@@ -92,6 +104,29 @@ class Tree(PanelsTest):
         self.has_text(page, SCENE, "the copy was selected, and is gone")
 
 
+    def test_ten_thousand_entities(self):
+        balls = (f'nodes {{ name: "n{i}" transform {{ steps {{ translate {{ x: {i % 100} z: {-(i // 100)} }} }} }} '
+                 'shape { materials: "red" sphere { radius: .3 } } }\n' for i in range(10_000))
+        self.scene(text=SCENE + "".join(balls))
+        page = self.begin(scene=False)
+        self.show(page, "Scene")
+        drawn = "document.querySelectorAll('[role=\"treeitem\"]').length"
+        wait_until(lambda: page.has('[role="treeitem"]', "ball"), "the tree is there")
+        self.assertLess(page.evaluate(drawn), 60, "rows that nobody sees are not drawn")
+        page.click_on('[role="treeitem"]', "Scene")
+        page.press("End")
+        wait_until(lambda: page.has('[role="treeitem"]', "n9999"), "the last row is seen")
+        self.assertLess(page.evaluate(drawn), 60)
+        page.click_on('input[aria-label="Search the scene"]')
+        page.type("n5123")
+        wait_until(lambda: page.evaluate(drawn) == 2, "what is searched for is found, and what it stands in")
+        page.click_on('[role="treeitem"]', "n5123")
+        self.until(page, lambda state: state["selection"]["entity"] == "nodes[5125]", "it is selected")
+        self.write_at(page, 1, "# typed\n", end=False)
+        self.assertTrue(page.script.startswith("# typed\nsettings"))
+        self.until_final(page)
+
+
 class Properties(PanelsTest):
     def test_a_number_is_written_as_it_is_typed(self):
         page = self.begin()
@@ -137,6 +172,25 @@ class Properties(PanelsTest):
         page.press("Ctrl-Z")
         self.has_text(page, SCENE, "one step takes the drag back")
 
+    def test_a_file_that_changes_on_the_disk_in_mid_drag_loses_neither(self):
+        page = self.begin()
+        self.properties(page, "sphere")
+        x, y = self.input_of(page, "sphere.radius")
+        theirs = SCENE + "# theirs\n"
+        page.pointer("mouseMoved", x, y)
+        page.pointer("mousePressed", x, y, "left", 1, clickCount=1)
+        for step in range(1, 41):
+            page.pointer("mouseMoved", x + step, y, "left", 1)
+            if step == 20:
+                wait_until(lambda: "1.25" not in page.script, "the text follows")
+                self.scene(text=theirs)
+                wait_until(lambda: page.has(".banner", "changed on the disk"), "it is told")
+        page.pointer("mouseReleased", x + 40, y, "left", 0, clickCount=1)
+        self.has_text(page, SCENE.replace("1.25", "1.75"), "the drag goes on to its end")
+        self.assertEqual(theirs, self.saved())
+        page.click_on(".banner button", "Load theirs")
+        self.has_text(page, theirs, "theirs is loaded")
+
     def test_absent_fields_have_their_defaults_and_are_reset(self):
         page = self.begin()
         self.properties(page, "sphere")
@@ -144,6 +198,15 @@ class Properties(PanelsTest):
         wait_until(lambda: "flip_normals: true" in page.script, "the field is inserted")
         self.click_scrolled(page, 'button[aria-label="Reset flip_normals to false"]')
         self.has_text(page, SCENE, "it is left out again")
+
+    def test_the_text_of_a_macro_says_how_many_things_change(self):
+        self.scene("scene.crt", SCRIPT)
+        page = self.begin(file="scene.crt", scene=False)
+        self.properties(page, "Sphere")
+        wait_until(lambda: page.has(".times-made", "makes 4 things"), "two calls make it, one of them in three turns")
+        self.properties(page, "Box")
+        wait_until(lambda: page.has(".property-head", "Box"), "the box is shown")
+        self.assertFalse(page.has(".times-made"), "it is there once")
 
     def test_references_jump(self):
         page = self.begin()

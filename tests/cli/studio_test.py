@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The page of `tessera studio` in a real browser: keys and pointer go in, and what the page tells of itself is held
 against what the program and the disk have."""
+import os
 import signal
 import unittest
 
 from studio_browser import StudioPageTest
 from studio_case import SAMPLES, SCENE
-from tessera_process import wait_until
+from tessera_process import is_worker, marked_processes, wait_until
 
 LINES = SCENE.count("\n")
 # The editor closes what is opened, so that the last key is the one that makes another scene.
@@ -406,6 +407,31 @@ class Camera(StudioPageTest):
         self.assertEqual(narrower["eye"], nearer["eye"])
         self.until_final(page)
 
+    def test_a_worker_that_is_killed_in_an_orbit_costs_nothing(self):
+        page, (x, y) = self.browser_page, self.view
+        before = page.state["camera"]
+        workers = [each for each in marked_processes(self.mark) if is_worker(each)]
+        page.pointer("mouseMoved", x, y)
+        page.pointer("mousePressed", x, y, "left", 1, clickCount=1)
+        for step in range(1, 61):
+            page.pointer("mouseMoved", x + step, y, "left", 1)
+            if step == 30:
+                os.kill(workers[0], signal.SIGKILL)
+            page.wait_for_frames()
+        page.pointer("mouseReleased", x + 60, y, "left", 0, clickCount=1)
+        after = self.until_final(page)
+        self.assertNotEqual(before["eye"], after["camera"]["eye"])
+        self.assertNotIn(workers[0], marked_processes(self.mark))
+        page.press("F1")
+        page.type("Write camera")
+        page.press("Enter")
+        self.until(page, lambda state: state["camera"]["mode"] == "scene", "it is written")
+        self.until_final(page)
+        page.press("Ctrl-S")
+        wait_until(lambda: self.saved() == page.script, "it is saved")
+        width, height = page.state["view"]["width"], page.state["view"]["height"]
+        self.assert_same(page.pixels()[2], self.rendered("scene.tessera", size=(width, height)))
+
     def test_a_free_camera_outlasts_edits_saving_and_reconnecting(self):
         page, (x, y) = self.browser_page, self.view
         free = self.moved("dragging", lambda: page.drag((x, y), (x + 60, y + 10)))
@@ -442,6 +468,10 @@ class Camera(StudioPageTest):
         self.assertTrue(lines[2].startswith('cameras { name: "side"'))
         self.assertNotEqual(other.rstrip(), lines[2])
         self.until_final(page)
+        page.press("F1")
+        page.type("Camera: copy")
+        page.press("Enter")
+        wait_until(lambda: page.has(".notice", "In the clipboard: " + lines[2]), "its text can be pasted into another scene")
 
     def test_a_camera_without_a_name_is_chosen_and_written(self):
         page = self.browser_page

@@ -284,7 +284,7 @@ class Jobs(ViewTest):
             self.last_picture(each)
         for each, frame in ((page, 0), (other, 5)):
             each.say("centers", file="a.crt")
-            self.assertIn([frame, 0, 0], [center for _, _, center, _ in each.receive("centers")["list"]])
+            self.assertIn([frame, 0, 0], [center for _, _, center, *_ in each.receive("centers")["list"]])
             each.say("export", file="a.crt", name=f"frame{frame}.tessera")
             self.assertEqual(f"frame{frame}.tessera", each.receive("exported", "refused").get("name"))
         self.assertNotEqual(*((self.opened / f"frame{frame}.tessera").read_text() for frame in (0, 5)))

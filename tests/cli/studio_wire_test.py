@@ -113,6 +113,10 @@ class Access(StudioTest):
         for method in ("POST", "PUT", "DELETE"):
             self.assertEqual(405, self.get("/", method).status, method)
 
+    def test_the_page_is_told_version_and_build(self):
+        told = self.page(self.studio("--workers", 1)).welcome["program"]
+        self.assertEqual(f"tessera {told}", self.run_program("--version").out.strip())
+
     def test_what_is_unknown_is_ignored(self):
         page = self.page(self.running)
         page.say("of_a_newer_page", anything=[1, {"a": None}])

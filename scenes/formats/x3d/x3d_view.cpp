@@ -42,15 +42,21 @@ std::optional<v1::Camera> X3dTranslator::make_camera(const X3dNode& node,
                    "a frame that can be inverted", "it is left out");
     return std::nullopt;
   }
+  // A camera measures in metres, whatever the frame around it measures in.
+  const double scale = mean_scale(path);
   if (node.type == "OrthoViewpoint") {
     const auto sides = values_.exactly(node, "fieldOfView", 4);
     v1::Orthographic& view = *camera.mutable_orthographic();
+    const auto see = [&](double min_x, double min_y, double max_x, double max_y) {
+      view.set_min_x(min_x * scale);
+      view.set_min_y(min_y * scale);
+      view.set_max_x(max_x * scale);
+      view.set_max_y(max_y * scale);
+    };
+    if (scale != 1) see(-1, -1, 1, 1);
     if (sides.size() == 4) {
       if (sides[0] < sides[2] && sides[1] < sides[3]) {
-        view.set_min_x(sides[0]);
-        view.set_min_y(sides[1]);
-        view.set_max_x(sides[2]);
-        view.set_max_y(sides[3]);
+        see(sides[0], sides[1], sides[2], sides[3]);
       } else {
         values_.repair(node, "fieldOfView", "minimum x and y below maximum x and y",
                        "-1 -1 1 1 is taken");
@@ -66,8 +72,8 @@ std::optional<v1::Camera> X3dTranslator::make_camera(const X3dNode& node,
     camera.mutable_perspective()->set_field_of_view(degrees_from_radians(angle));
     camera.mutable_perspective()->set_axis(v1::Perspective::SMALLER);
   }
-  camera.set_near_distance(std::max(0., values_.number(node, "nearDistance", -1)));
-  const double far_distance = values_.number(node, "farDistance", -1);
+  camera.set_near_distance(std::max(0., values_.number(node, "nearDistance", -1)) * scale);
+  const double far_distance = values_.number(node, "farDistance", -1) * scale;
   if (far_distance > camera.near_distance())
     camera.set_far_distance(far_distance);
   else if (far_distance > 0)

@@ -22,8 +22,8 @@ import { expose } from "./view/exposure.js";
 import { walkChain } from "./view/picking.js";
 import { VIEW_COMMANDS } from "./view/view_commands.js";
 import { toggleProbe } from "./view/probe.js";
-import { currentCamera, moveCamera, pauseOrResume, refresh, stop } from "./view/wish.js";
-import { writeViewCamera } from "./view/write_camera.js";
+import { moveCamera, pauseOrResume, refresh, stop } from "./view/wish.js";
+import { copyCameraText, writeViewCamera } from "./view/write_camera.js";
 import { toggleWorkerTiles } from "./view/worker_tiles.js";
 
 export interface Command {
@@ -68,15 +68,6 @@ export function saveActive(): void {
 
 function renderFull(): void {
   if (orderRenderOfPage()) showPanel("Farm");
-}
-
-function copyCamera(): void {
-  const camera = currentCamera();
-  if (!camera) return;
-  const vector = (v: readonly number[]) => v.map((each) => Number(each.toPrecision(6))).join(", ");
-  const text = `eye ${vector(camera.eye)}; target ${vector(camera.target)}; up ${vector(camera.up)}; fov ${Number(camera.fov.toPrecision(6))}`;
-  void navigator.clipboard?.writeText(text);
-  state.notify("The camera's numbers are in the clipboard.");
 }
 
 /** The focus goes to the next panel that is seen, or the one before. */
@@ -129,7 +120,7 @@ const COMMANDS = [
   { name: "Render: by hand", keys: [], run: () => (state.renderMode.value = "hand") },
   { name: "Camera: the scene’s", keys: [], inView: ["Home", "0"], run: () => moveCamera(null, false, state.activePane.peek()) },
   { name: "Write camera", keys: [], run: writeViewCamera },
-  { name: "Camera: copy", keys: [], run: copyCamera },
+  { name: "Camera: copy", keys: [], run: () => void copyCameraText() },
   { name: "Picked: outwards", keys: [], inView: ["Alt-Up"], run: () => walkChain(1) },
   { name: "Picked: inwards", keys: [], inView: ["Alt-Down"], run: () => walkChain(-1) },
   { name: "Probe: values under the pointer, on or off", keys: [], inView: ["P"], run: toggleProbe },

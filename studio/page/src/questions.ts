@@ -1,6 +1,6 @@
 // Questions about a text whose answers are waited for.
 
-import type { EntityId, ToPage, ToProgram } from "./core/protocol.js";
+import type { EntityId, FreeCamera, ToPage, ToProgram } from "./core/protocol.js";
 import * as documents from "./documents.js";
 import * as program from "./program.js";
 
@@ -8,6 +8,7 @@ interface Answers {
   complete: ToPage["completions"];
   hover: ToPage["hovered"];
   placement: ToPage["placement"];
+  camera_text: ToPage["camera_text"];
 }
 
 /** What a question is about. */
@@ -15,6 +16,7 @@ interface Abouts {
   complete: { offset: number };
   hover: { offset: number };
   placement: { entity?: EntityId };
+  camera_text: { camera: FreeCamera; text: string };
 }
 
 const PATIENCE_MS = 2000;

@@ -79,6 +79,7 @@ export const handlers: ProgramEvents["handlers"] = {
   completions: answer,
   hovered: answer,
   placement: answer,
+  camera_text: answer,
   created(message) {
     program.send("list", {});
     documents.open(message.file);

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { hexOf, linearOf } from "../src/core/colours.js";
-import { entityAt, pathTo, rowsOf } from "../src/core/entities.js";
+import { entityAt, pathTo, rowsOf, timesOf } from "../src/core/entities.js";
 import type { Entity } from "../src/core/protocol.js";
 import { areaPath, linePath, quantile, roundedUp } from "../src/core/series.js";
 
@@ -26,6 +26,13 @@ test("a row tells how many stand in it", () => {
 
 test("parents that are not there, or are oneself, do not hide a row", () => {
   assert.equal(rowsOf([entity(1, 9, "a", 0, 1), entity(2, 2, "b", 1, 2)], new Set()).length, 2);
+});
+
+test("how many things a text makes is told of its parts too, and of macros", () => {
+  const script = [entity(0, null, "scene", 0, 100), entity(1, 0, "macro", 10, 60), entity(2, 1, "shape", 12, 30), entity(3, 2, "step", 20, 25), entity(4, 1, "variable", 40, 50), entity(5, 0, "shape", 70, 80)];
+  const made = new Map([["0", 0], ["2", 5], ["4", 0], ["5", 1]]);
+  assert.deepEqual(script.map((each) => timesOf(script, each.id, (id) => made.get(id))), [1, 5, 5, 5, 5, 1]);
+  assert.equal(timesOf(script, "2", () => 0), 1, "how many is not known");
 });
 
 test("ten thousand rows", () => {

@@ -44,6 +44,18 @@ test("a light is moved where it has a place, or else turned; backgrounds are tur
   assert.equal(of([{ ...direction, locked: "computed" }, { ...position, locked: "computed" }]), undefined);
 });
 
+test("a light in other axes follows the pointer, too", () => {
+  // A quarter of a turn about y, in inches, 2 metres to the right: x is the world's -z, and z its x.
+  const axes = [0, 0, 0.0254, 2, 0, 0.0254, 0, 0, -0.0254, 0, 0, 0];
+  const position = field("location", "vector", "0 0 0");
+  // The view's height spans 60 degrees at 5 metres: 10 pixels are .57735 metres.
+  assert.equal(draggedText(position, camera, drag(10, 0), axes), "0 0 22.7303");
+  assert.equal(draggedText(position, camera, drag(0, 10), axes), "0 -22.7303 0");
+  const turned = draggedText(field("direction", "vector", "1 0 0"), camera, drag(90 / 0.35, 0), axes)!.split(" ").map(Number);
+  assert.deepEqual(turned.map((each) => Math.round(each * 0.0254 * 100) / 100), [0, 0, -1], "it came from the front, and now comes from the right");
+  assert.equal(draggedText(position, camera, drag(10, 0), [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0]), undefined, "flat axes");
+});
+
 test("texts are short, and what is no number stays", () => {
   assert.equal(draggedText(field("panorama.angle", "number", "30"), camera, drag(20, 5)), "23");
   assert.equal(draggedText(field("direction", "vector", "0 0 -1"), camera, drag(0, 0)), "0 0 -1");

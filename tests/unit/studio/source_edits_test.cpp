@@ -250,6 +250,27 @@ TEST_F(SourceEditsTest, ModelsAreAddedDoubledAndRemoved) {
   EXPECT_EQ(without.find("ball"), std::string::npos);
 }
 
+TEST_F(SourceEditsTest, TellTheTextOfACamera) {
+  const auto text_of = [this](const std::string& file, const std::string& text, const char* name) {
+    open(1, file, text);
+    page::Source request{.what = What::camera_text, .file = file, .base = 1, .text = name};
+    request.camera = FreeCamera{.eye = {0, 1, 5}, .target = {0, 1, 0}, .fov = 40, .axis = ""};
+    return ask(request, "camera_text")["text"].get<std::string>();
+  };
+  EXPECT_EQ(
+      text_of("b.tessera", "# 1\ncameras { name: 'a' } cameras { name: 'b' }\n", "b"),
+      "cameras { name: 'b' world_from_camera { steps { look_at { eye { y: 1 z: 5 } target { y: "
+      "1 } } } } perspective { field_of_view: 40 } }");
+  EXPECT_TRUE(text_of("c.tessera", "nodes { }\n", "").starts_with("cameras { world_from_camera"));
+  EXPECT_EQ(
+      text_of("b.crt",
+              "cam = Camera { position -> vec3(0, 1, -5) pointing -> vec3(0, 0, 0) fov -> 50 }",
+              ""),
+      "cam = Camera { position -> vec3(0, 1, 5) pointing -> vec3(0, 1, 0) fov -> 40 }");
+  EXPECT_EQ(text_of("b.x3d", "<X3D><Scene>\n<Viewpoint position='0 1 5'/></Scene></X3D>", ""),
+            "<Viewpoint position='0 1 5' fieldOfView='0.6981317'/>");
+}
+
 TEST_F(SourceEditsTest, MessagesOfPagesAreRead) {
   const auto message = page::parse_message(
       R"({"set": {"file": "a.crt", "base": 7, "entity": "x", "field": "f", "text": "1"}})");
@@ -260,7 +281,7 @@ TEST_F(SourceEditsTest, MessagesOfPagesAreRead) {
   EXPECT_EQ(set.entity, "x");
   for (const auto what :
        {What::set, What::reset, What::add, What::remove, What::duplicate, What::write_camera,
-        What::write_settings, What::fields, What::complete, What::hover}) {
+        What::write_settings, What::fields, What::complete, What::hover, What::camera_text}) {
     const Json json{{page::name_of(what), {{"file", "a"}}}};
     EXPECT_EQ(std::get<page::Source>(*page::parse_message(json.dump())).what, what);
   }

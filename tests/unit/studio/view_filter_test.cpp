@@ -98,10 +98,11 @@ TEST_F(ViewFilterTest, TellsWhereEntitiesAre) {
   SourceMap map(reading, kFilteredFolder);
   const nlohmann::json told = centers_json(map);
   EXPECT_EQ(told["file"], kFilteredFile);
-  std::map<std::string, nlohmann::json> centers, sizes;
+  std::map<std::string, nlohmann::json> centers, sizes, times;
   for (const auto& each : told["list"]) {
     centers[each[1]] = each[2];
     sizes[each[1]] = each[3];
+    times[each[1]] = each[4];
   }
   EXPECT_EQ(centers["nodes[1].children[0]"], (nlohmann::json{8, 0, 0}));
   EXPECT_EQ(centers["nodes[1]"], (nlohmann::json{10.5, 0, 0})) << "from 7 to 14";
@@ -112,6 +113,41 @@ TEST_F(ViewFilterTest, TellsWhereEntitiesAre) {
   EXPECT_EQ(centers["objects[0].nodes[1]"], (nlohmann::json{0, 5, 4}));
   EXPECT_TRUE(centers.contains("nodes[0]"));
   EXPECT_TRUE(centers["nodes[0]"].is_null()) << "light from far away";
+  for (const auto& [entity, number] : times) EXPECT_EQ(number, 1) << entity;
+}
+
+/// How many things each entity of a text makes by itself.
+std::map<std::string, size_t> things_of(const std::string& file, const std::string& text) {
+  const Document document(text);
+  const auto reading = std::make_shared<const SceneReading>(
+      read_for_studio({.file = file, .revision = 1, .texts = {{file, document}}},
+                      {.folder = kFilteredFolder, .assets = {}}));
+  EXPECT_TRUE(reading->scene) << text;
+  std::map<std::string, size_t> times;
+  if (!reading->scene) return times;
+  SourceMap map(reading, kFilteredFolder);
+  const nlohmann::json told = centers_json(map);
+  for (const auto& each : told["list"]) times[each[1]] = each[4];
+  return times;
+}
+
+TEST(ViewFilter, TellsHowManyThingsATextMakes) {
+  auto of = things_of("a.crt", R"(red = Material { color -> rgb(1, 0, 0) }
+Settings { camera -> Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 0) fov -> 40 } }
+block = Macro(x) { Sphere { center -> vec3(x, 0, 0) radius -> 1 material -> red } }
+Scene { block(1)  i = 0  while (i < 3) { block(i) i = i + 1 } }
+)");
+  EXPECT_EQ(of["block.Sphere[0]"], 4u) << "by two calls, one of them in a loop of three turns";
+  of = things_of(
+      "a.tessera",
+      "objects { name: 'o' nodes { shape { sphere { } } } }\n"
+      "nodes { instance_of: 'o' } nodes { instance_of: 'o' } nodes { shape { box { } } }");
+  EXPECT_EQ(of["objects[0].nodes[0]"], 2u);
+  EXPECT_EQ(of["nodes[0]"], 1u);
+  of = things_of("a.x3d",
+                 "<X3D version='4.0'><Scene><Shape DEF='s'><Sphere/></Shape>"
+                 "<Transform translation='3 0 0'><Shape USE='s'/></Transform></Scene></X3D>");
+  EXPECT_EQ(of["X3D[0].Scene[0].Shape[0]"], 2u);
 }
 
 }  // namespace

@@ -80,3 +80,16 @@ export function pathTo(entities: readonly Entity[], id: EntityId): Entity[] {
   for (let at = byId.get(id); at && !path.includes(at); at = at.parent === null ? undefined : byId.get(at.parent)) path.unshift(at);
   return path;
 }
+
+/** How many things are made of what a text says of an entity; 1 where that is not known. `made`: what each makes by itself.
+    What makes nothing by itself, as a call, is a part of what it stands in, and a macro makes what stands in it. */
+export function timesOf(entities: readonly Entity[], id: EntityId, made: (id: EntityId) => number | undefined): number {
+  for (const entity of pathTo(entities, id).reverse()) {
+    const own = made(entity.id);
+    if (own) return own;
+    if (entity.kind !== "macro") continue;
+    const inside = entities.filter((each) => each.id !== entity.id && each.from >= entity.from && each.to <= entity.to);
+    return Math.max(1, ...inside.map((each) => made(each.id) ?? 0));
+  }
+  return 1;
+}

@@ -120,6 +120,8 @@ export interface ToProgram {
   placement: OfText & { entity?: EntityId; number: number };
   complete: OfText & { offset: number; number: number };
   hover: OfText & { offset: number; number: number };
+  /** What `write_camera` would leave of the camera's text. */
+  camera_text: OfText & { camera: FreeCamera; text: string; number: number };
   create: { template?: string; model?: string; sample?: string };
   /** The numbers of what is answered are the page's: each has another one. */
   render: { number: number; file: string; spec: RenderSpec };
@@ -462,6 +464,9 @@ export interface FarmJob {
   failure?: string;
 }
 
+/** Three rows of four numbers: what leads from the axes of something to those of the world. */
+export type Axes = readonly number[];
+
 export interface ChainLink {
   kind: string;
   name?: string;
@@ -536,6 +541,7 @@ export interface ToPage {
   /** `materials`: what the model can be made of in place of its own ones; absent where the language has no such choice. */
   placement: { file: string; number: number; placement: Placement; materials?: string[]; locked?: string };
   completions: Completions & { file: string; version: number; number: number };
+  camera_text: { file: string; number: number; text: string };
   hovered: { file: string; number: number; from?: number; to?: number; title?: string; detail?: string; help?: string };
   created: { file: string };
   put: { number: number; name: string; received: number; whole: boolean };
@@ -549,8 +555,8 @@ export interface ToPage {
   /** Without a size nothing is pinned. */
   pinned: { pane: number; size?: [number, number] };
   compared: Comparison;
-  /** The entities that made something, with the centre of that where it ends. */
-  centers: { file: string; version: number; list: [file: string, entity: EntityId, center: Vector | null, size: Vector | null][] };
+  /** The entities that made something, with the centre of that where it ends; `times`: how many things are made by its text itself, 0 where that is not known; `axes`: where they are not the world's, the rows of the matrix that leads there. */
+  centers: { file: string; version: number; list: [file: string, entity: EntityId, center: Vector | null, size: Vector | null, times: number, axes?: Axes][] };
   workers: { list: WorkerReport[] };
   metrics: Metrics & { tile_times?: TileTimes };
   legend: Legend;

@@ -1,8 +1,10 @@
 // What a drag over the picture does to places and directions of lights and to angles of backgrounds, which fields of texts hold.
 
 import { add, dot, frameOf, length, metresPerPixel, normalised, subtract, times, turned } from "./camera.js";
-import type { Field, FreeCamera, Vector } from "./protocol.js";
+import { directionInAxes, directionInWorld, pointInAxes, pointInWorld } from "./axes.js";
+import type { Axes, Field, FreeCamera, Vector } from "./protocol.js";
 
+const WORLD: Axes = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 const DEGREES_PER_PIXEL = 0.35;
 const DIGITS = 4;
 
@@ -55,8 +57,8 @@ export function turnedDirection(direction: Vector, camera: FreeCamera, dx: numbe
   return turned(turned(normalised(direction), up, dx * DEGREES_PER_PIXEL), right, dy * DEGREES_PER_PIXEL);
 }
 
-/** The text of the field after a drag from where it began. */
-export function draggedText(field: Field, camera: FreeCamera, drag: PictureDrag): string | undefined {
+/** The text of the field, which is in those axes, after a drag from where it began. */
+export function draggedText(field: Field, camera: FreeCamera, drag: PictureDrag, axes: Axes = WORLD): string | undefined {
   if (field.kind === "number") {
     const angle = Number(field.text);
     // What is seen follows the pointer; the angle grows to the left.
@@ -65,6 +67,8 @@ export function draggedText(field: Field, camera: FreeCamera, drag: PictureDrag)
   const numbers = field.text.trim().split(/[\s,]+/).map(Number);
   if (numbers.length !== 3 || !numbers.every(Number.isFinite)) return undefined;
   const vector = numbers as Vector;
-  const changed = POSITION.test(field.name) ? movedPosition(vector, camera, drag) : turnedDirection(vector, camera, drag.right, drag.down);
-  return changed.map(short).join(" ");
+  const changed = POSITION.test(field.name)
+    ? pointInAxes(axes, movedPosition(pointInWorld(axes, vector), camera, drag))
+    : directionInAxes(axes, turnedDirection(directionInWorld(axes, vector), camera, drag.right, drag.down));
+  return changed.every(Number.isFinite) ? changed.map(short).join(" ") : undefined;
 }

@@ -6,6 +6,7 @@ import { beginGesture, duplicate, remove, resetField, select, selected, setField
 import { placed, setPlaced } from "../models.js";
 import * as state from "../state.js";
 import { PlacementFields } from "./placement_fields.js";
+import { timesMade, usePlaces } from "../view/filter.js";
 import { expectedWords, isOdd, PropertyValue } from "./property_value.js";
 
 const hidesDefaults = signal(false);
@@ -79,7 +80,15 @@ function Property({ entity, field }: { entity: Entity; field: Field }) {
   );
 }
 
+/** Says, before anything is changed, how much changes with it. */
+function TimesMade({ entity }: { entity: Entity }) {
+  const { file, entities } = state.outline.value!;
+  const times = timesMade(file, entities, entity.id);
+  return times > 1 ? <p class="times-made">This text makes {times} things: all of them change.</p> : null;
+}
+
 export function PropertiesPanel() {
+  usePlaces();
   const entity = selected.value;
   if (!entity) return <p class="empty">Select something: in the scene, in the script or on the picture.</p>;
   const path = pathTo(state.outline.value!.entities, entity.id);
@@ -106,6 +115,7 @@ export function PropertiesPanel() {
         <span class="spacer" />
         <label class="aside"><input type="checkbox" checked={hidesDefaults.value} onChange={(event) => (hidesDefaults.value = event.currentTarget.checked)} /> what is set alone</label>
       </nav>
+      <TimesMade entity={entity} />
       <div class="scroll">
         {isModel(entity) && placed.value && <PlacementFields wish={placed.value} begin={beginGesture} set={setPlaced} />}
         {shown.map((field) => <Property key={`${entity.id} ${field.name}`} entity={entity} field={field} />)}

@@ -1,11 +1,11 @@
-import { signal, useSignalEffect } from "@preact/signals";
+import { signal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { rowsOf, titleOf, type EntityId, type EntityRow } from "../core/entities.js";
 import { add, addTo, duplicate, remove, select, selected } from "../entities.js";
 import type { Entity, EntityRef } from "../core/protocol.js";
 import { placeWords } from "../core/view_words.js";
 import * as state from "../state.js";
-import { askCenters, centerOf, isAlone, isHidden, toggleHidden, toggleSolo } from "../view/filter.js";
+import { centerOf, isAlone, isHidden, toggleHidden, toggleSolo, usePlaces } from "../view/filter.js";
 import { Palette } from "./palette.js";
 
 const ROW_HEIGHT = 24;
@@ -155,11 +155,7 @@ export function ScenePanel() {
   const entities = state.outline.value?.entities;
   const file = state.outline.value?.file ?? "";
   const rows = useMemo(() => rowsOf(entities ?? [], closed.value, search.value), [entities, closed.value, search.value]);
-  // The rows stay as they are meanwhile.
-  useSignalEffect(() => {
-    void state.summary.value;
-    askCenters();
-  });
+  usePlaces();
   const chosen = rows.findIndex((each) => each.entity.id === state.selectedEntity.value);
   useEffect(() => {
     const box = host.current;

@@ -1,9 +1,9 @@
 // What the view leaves out of the scene, whose text stays as it is; and where what it shows is.
 
-import { computed, effect, signal } from "@preact/signals";
+import { computed, effect, signal, useSignalEffect } from "@preact/signals";
 import { around } from "../core/camera.js";
-import type { EntityId } from "../core/entities.js";
-import type { EntityRef, ToPage, Vector } from "../core/protocol.js";
+import { pathTo, timesOf, type EntityId } from "../core/entities.js";
+import type { Axes, Entity, EntityRef, ToPage, Vector } from "../core/protocol.js";
 import * as program from "../program.js";
 import * as state from "../state.js";
 
@@ -12,6 +12,8 @@ const ASK_MS = 200;
 interface Place {
   center: Vector | null;
   size: Vector | null;
+  times: number;
+  axes?: Axes | undefined;
 }
 const places = signal<ReadonlyMap<string, Place>>(new Map());
 const keyOf = (file: string, entity: EntityId) => `${file}\n${entity}`;
@@ -28,6 +30,17 @@ export const filterWords = computed(() => {
 /** The centre of what an entity made; null: that has none; nothing: it made nothing, or that is not known yet. */
 export function centerOf(file: string, entity: EntityId): Vector | null | undefined {
   return places.value.get(keyOf(file, entity))?.center;
+}
+
+/** How many things the text of an entity makes, as that of a macro which is called more than once. */
+export function timesMade(file: string, entities: readonly Entity[], entity: EntityId): number {
+  return timesOf(entities, entity, (id) => places.value.get(keyOf(file, id))?.times);
+}
+
+/** The axes that an entity's numbers are in: those of the innermost thing that it is, or stands in; nothing where they are the world's. */
+export function axesOf(file: string, entities: readonly Entity[], entity: EntityId): Axes | undefined {
+  const path = pathTo(entities, entity).reverse();
+  return path.map((each) => places.peek().get(keyOf(file, each.id))).find(Boolean)?.axes;
 }
 
 /** The box of what an entity made; nothing: that has none, or is not known. */
@@ -69,8 +82,16 @@ export function watchFilter(): void {
 
 let due: ReturnType<typeof setTimeout> | undefined;
 
+/** To be called by what shows where things are: it is asked anew for each scene that is read. */
+export function usePlaces(): void {
+  useSignalEffect(() => {
+    void state.summary.value;
+    askCenters();
+  });
+}
+
 /** Asks where things are in the scene as it was read last. */
-export function askCenters(): void {
+function askCenters(): void {
   clearTimeout(due);
   due = setTimeout(() => {
     const file = state.sceneFile.peek();
@@ -87,7 +108,7 @@ export function whenPlacesAreKnown(what: () => void): void {
 }
 
 export function centersCame(message: ToPage["centers"]): void {
-  places.value = new Map(message.list.map(([file, entity, center, size]) => [keyOf(file, entity), { center, size }]));
+  places.value = new Map(message.list.map(([file, entity, center, size, times, axes]) => [keyOf(file, entity), { center, size, times, axes }]));
   const due = waiting;
   waiting = undefined;
   if (message.file === state.sceneFile.peek()) due?.();

@@ -4,6 +4,7 @@ import { draggable, draggedText, type PictureDrag } from "../core/turning.js";
 import type { Field } from "../core/protocol.js";
 import { beginGesture, select, selected, setField } from "../entities.js";
 import * as state from "../state.js";
+import { axesOf } from "./filter.js";
 import { currentCamera } from "./wish.js";
 
 /** The field as it was when the drag began. */
@@ -35,7 +36,9 @@ export function beginDrag(turnsLights: boolean): void {
 export function dragTo(pane: state.Pane, drag: PictureDrag): void {
   dragged ??= fieldOfSelected();
   const camera = currentCamera(pane);
-  const text = dragged && camera ? draggedText(dragged.field, camera, drag) : undefined;
+  const outline = state.outline.peek();
+  const axes = dragged && outline && axesOf(outline.file, outline.entities, dragged.entity);
+  const text = dragged && camera ? draggedText(dragged.field, camera, drag, axes) : undefined;
   if (text !== undefined) setField(dragged!.entity, dragged!.field.name, text);
 }
 

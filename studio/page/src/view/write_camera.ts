@@ -1,9 +1,11 @@
 // The view's camera in the text, which the view sees through from then on.
 
 import { effect, signal, untracked } from "@preact/signals";
+import { copyText } from "../clipboard.js";
 import type { CameraWish } from "../core/protocol.js";
 import * as documents from "../documents.js";
 import { writeCamera } from "../entities.js";
+import { ask } from "../questions.js";
 import * as state from "../state.js";
 import { currentCamera, moveCamera, pivot, setPivot } from "./wish.js";
 
@@ -19,6 +21,16 @@ export function writeViewCamera(): void {
   writeCamera(camera, camera.name, () => {
     written.value = { file, version: documents.find(file)?.sync.version ?? 0, from, name: camera.name };
   });
+}
+
+/** Puts the text of the camera into the clipboard, as writing it would leave it. */
+export async function copyCameraText(): Promise<void> {
+  const camera = currentCamera();
+  const file = state.sceneFile.peek();
+  if (!camera || file === undefined) return;
+  const told = await ask("camera_text", file, { camera, text: camera.name ?? "" });
+  if (told) await copyText(told.text);
+  else state.notify(`${file} has no words for this camera; “Write camera” says why.`, "error");
 }
 
 /** What was written is shorter than the numbers that the mouse made: the picture is made again of it, so that it is

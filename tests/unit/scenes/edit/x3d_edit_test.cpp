@@ -208,6 +208,18 @@ TEST(StudioEdit, WritesTheCameraOfEveryX3dSampleWhateverItMeasuresIn) {
   }
 }
 
+TEST(StudioEdit, WritesAWindowInTheUnitOfTheDocument) {
+  const Outline made = x3d_text(
+      "<X3D version='3.3'><head><unit category='length' name='cm' "
+      "conversionFactor='0.01'/></head><Scene><OrthoViewpoint/></Scene></X3D>");
+  const CameraPose pose{{1, 2, 3}, {0, 0.5, 0}, {0, 1, 0}, {}, "", 5};
+  const std::string text = applied(made, write_camera(made, "", pose));
+  EXPECT_NE(text.find("fieldOfView='-250 -250 250 250'"), std::string::npos) << text;
+  EXPECT_NE(text.find("position='100 200 300'"), std::string::npos) << text;
+  const v1::Orthographic window = parse_x3d(text, "made.x3d", {}).scene.cameras(0).orthographic();
+  EXPECT_NEAR(window.max_y() - window.min_y(), 5, 1e-5);
+}
+
 TEST(StudioEdit, FindsAViewpointByTheNameThatTheReaderGivesIt) {
   const Outline made = x3d_text(
       "<X3D version='4.0'><Scene><Viewpoint DEF='a' description='b'/><Viewpoint description='c'/>"

@@ -434,7 +434,8 @@ TEST(X3dGeometry, ALineIsAsWideAtItsFarEndAndThinBesideTheEye) {
       "0 fieldOfView 1.5707963 } } }");
   EXPECT_NEAR(seen[-100], 50 * unit, 1e-4) << "wherever the viewpoint stands";
   seen = radii("");
-  EXPECT_NEAR(seen[-100], 110 * .41421356 * unit, 1e-4) << "of the viewpoint without any";
+  EXPECT_NEAR(seen[-100], 150. / 2 * unit, 1e-4) << "where a view of all of it is as large";
+  EXPECT_NEAR(seen[50], 150. / 2 * unit, 1e-4);
   seen = radii("OrthoViewpoint { fieldOfView [ -2 -1 2 1 ] }");
   ASSERT_EQ(seen.size(), 2u);
   EXPECT_NEAR(seen[50], unit, 1e-6);

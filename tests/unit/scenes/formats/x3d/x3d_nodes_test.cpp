@@ -208,6 +208,14 @@ TEST(X3dNodes, ViewpointsHaveNamesBoundsAndWindows) {
   EXPECT_TRUE(scene.cameras(1).frame_all());
   EXPECT_EQ(scene.cameras(2).orthographic().min_y(), -2);
   EXPECT_EQ(scene.cameras(2).orthographic().max_x(), 3);
+  // In the lengths of the frame around it.
+  const v1::Camera scaled =
+      scene_of(
+          "Transform { scale 2 2 2 children [ OrthoViewpoint { nearDistance 1 farDistance 4 } ] }")
+          .cameras(0);
+  EXPECT_EQ(scaled.orthographic().max_x(), 2);
+  EXPECT_EQ(scaled.near_distance(), 2);
+  EXPECT_EQ(scaled.far_distance(), 8);
 }
 
 TEST(X3dNodes, ViewpointsMayStandInAGroupOfTheirOwn) {
