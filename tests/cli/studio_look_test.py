@@ -77,7 +77,9 @@ class Tiles(LookTest):
         wait_until(lambda: self.colours(page) == self.COLOURS, "tiles of both workers are outlined")
         listed = "[...document.querySelectorAll('.worker-legend li')].map((each) => each.firstChild.nextSibling.data)"
         page.click_on('[role="tab"]', "Farm")
-        names = page.evaluate("[...document.querySelectorAll('[aria-label=\"Workers\"] tbody tr')].map((row) => row.cells[0].textContent)")
+        rows = "[...document.querySelectorAll('[aria-label=\"Workers\"] tbody tr')].map((row) => row.cells[0].textContent)"
+        wait_until(lambda: len(page.evaluate(rows)) == 2, "the panel lists both workers")
+        names = page.evaluate(rows)
         numbers, workers = zip(*sorted(each.split(" ") for each in page.evaluate(listed)))
         self.assertEqual((("1", "2"), sorted(names)), (numbers, sorted(workers)))
         # They go with what is traced, or with the wish for them.

@@ -478,7 +478,7 @@ class Camera(StudioPageTest):
         other = "cameras { world_from_camera { steps { look_at { eye { x: 5 } target { } } } } }"
         before = page.state
         self.write_at(page, 2, "\n" + other)
-        self.until_final(page, before)
+        before = self.until_final(page, before)
         self.choose_camera(page, "camera 2")
         chosen = self.until(page, lambda state: state["camera"]["eye"] == [5, 0, 0], "the other camera is seen through")
         wait_until(lambda: page.has(".chip", "scene’s: camera 2"), "it is told")

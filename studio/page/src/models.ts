@@ -56,9 +56,11 @@ export async function openModel(entity: Entity | undefined, added = ""): Promise
 
 /** The model that is selected, as the Properties panel sets it: with what was typed, which the text may not have yet. */
 export const placed = signal<ModelWish | undefined>(undefined);
-/** Whether a change of it is under way, and what it is to become thereafter. */
-let isChanging = false;
+/** Whether a change of it is under way, and whether that is answered and read; what it is to become thereafter. */
+let isChanging = false, isAnswered = false;
 let next: Placement | undefined;
+/** How often it was asked for: what was asked before a change or another question tells nothing any more. */
+let asked = 0;
 
 /** Sets the placement of the selected model: one change at a time, since the first may give the model another name. */
 export function setPlaced(placement: Placement): void {
@@ -73,20 +75,28 @@ function changePlaced(): void {
   const { value: told } = placed;
   if (isChanging || !next || !told) return;
   isChanging = true;
-  placeLive(told.file, told.entity!, next, () => void readPlaced());
+  isAnswered = false;
+  ++asked;
+  placeLive(told.file, told.entity!, next, () => {
+    isAnswered = true;
+    void readPlaced();
+  });
   next = undefined;
 }
 
 async function readPlaced(): Promise<void> {
+  if (isChanging && !isAnswered) return;
+  const question = ++asked;
   const outline = state.outline.peek();
   const entity = selected.peek();
   const wish = outline && entity && isModel(entity) ? await wishOf(outline.file, entity) : undefined;
+  if (question !== asked) return;
+  isChanging = false;
   if (!wish || selected.peek()?.id !== wish.entity || state.outline.peek()?.file !== wish.file) return;
   const { value: before } = placed;
   const isAnother = before?.file !== wish.file || (before.entity !== wish.entity && outline!.entities.some((each) => each.id === before.entity));
   if (isAnother) next = undefined;
   placed.value = next ? { ...wish, placement: next } : wish;
-  isChanging = false;
   changePlaced();
 }
 
