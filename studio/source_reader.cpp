@@ -182,7 +182,7 @@ SendText SourceReader::answer(const SourceOrder& order) {
     if (change.refusal) return refused(change.refusal->found, change.refusal->expected);
     const edit::Outline made =
         edit::outline(outline.language(), edit::apply_edits(outline.text(), change.edits));
-    const edit::Entity& camera = made.entities()[static_cast<size_t>(change.camera)];
+    const edit::Entity& camera = made.entities()[static_cast<size_t>(change.entity)];
     return answer("camera_text", {{"text", edit::text_of(made.text(), camera.range)}});
   }
   const edit::Change change = change_of(outline, entity, request);

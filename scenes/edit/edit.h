@@ -23,8 +23,8 @@ struct Change {
   std::optional<Refusal> refusal;
   /// How many entities change; more than one where a variable's or definition's literal is set.
   int changed = 1;
-  /// The camera that was written, among the entities of the changed text; 0: none was.
-  int camera = 0;
+  /// The entity that a change in steps was about, among those of the changed text; 0: none.
+  int entity = 0;
 
   bool is_made() const { return !refusal; }
 };

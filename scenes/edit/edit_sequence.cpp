@@ -53,7 +53,7 @@ Change EditSequence::finish() const {
   Change change;
   change.refusal = refusal_;
   if (refusal_) return change;
-  change.camera = static_cast<int>(entity_);
+  change.entity = static_cast<int>(entity_);
   uint32_t at = 0;
   std::string made;
   const auto flush = [&](uint32_t to) {

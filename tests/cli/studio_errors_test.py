@@ -53,7 +53,7 @@ class Errors(ViewTest):
         self.assertEqual(("parts/part.tessera", 2, column, 2, column + 2),
                          tuple(map(wrong.get, ("file", "line", "column", "end_line", "end_column"))))
         self.assertEqual(0, wrong["version"])
-        # A text that is open stands for the file, and its problems tell of which version they are.
+        # A text that is open stands for the file, and its problems tell its version.
         self.open(page, "parts/part.tessera")
         self.edit(page, 1, (0, 0, "#\n"), file="parts/part.tessera")
         page.receive("problems", where=lambda each: each["list"] and (each["list"][0]["line"], each["list"][0]["version"]) == (3, 2))

@@ -259,24 +259,23 @@ class Errors(StudioPageTest):
         self.assertEqual(SCENE, page.script)
         self.until(page, lambda state: not state["picture"]["stale"], "the picture is up to date")
 
-    def test_a_problem_leads_to_its_place(self):
+    def follow_problem_to_part(self):
+        """A scene whose problem is in a part of it, and a click on that problem; the page."""
         (self.opened / "part.tessera").write_text("# part\nnodes { shape { sphere { radius: x } } }\n")
         self.scene("scene.tessera", 'includes { file: "part.tessera" }\n')
         page = self.begin(file=None, scene=False)
         page.click_on('.panel-files [role="option"]', "scene.tessera")
         self.until(page, lambda state: state["problems"], "the problem is told")
         page.click_on('.panel-problems [role="option"]', "part.tessera")
+        return page
+
+    def test_a_problem_leads_to_its_place(self):
+        page = self.follow_problem_to_part()
         state = self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
         self.until(page, lambda state: state["selection"]["line"] == 2, "the cursor is at the place")
 
-
     def test_no_problem_is_shown_at_a_place_of_an_older_text(self):
-        (self.opened / "part.tessera").write_text("# part\nnodes { shape { sphere { radius: x } } }\n")
-        self.scene("scene.tessera", 'includes { file: "part.tessera" }\n')
-        page = self.begin(file=None, scene=False)
-        page.click_on('.panel-files [role="option"]', "scene.tessera")
-        self.until(page, lambda state: state["problems"], "the problem is told")
-        page.click_on('.panel-problems [role="option"]', "part.tessera")
+        page = self.follow_problem_to_part()
         self.until(page, lambda state: state["file"] == "part.tessera", "its file is open")
         page.press("Ctrl-Home")
         self.running.process.send_signal(signal.SIGSTOP)
