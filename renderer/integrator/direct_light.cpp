@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/shading/bent_normal.h"
+
 namespace tessera {
 
 namespace {
@@ -160,6 +162,9 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
   const double width = cone_width(state.cone, path_length);
+  Vec3 facets;
+  if (kRich && material.model != MaterialModel::classic)
+    facets = bent_normal(point.normal, point.geometric_normal, wo);
   const bool has_shadows = scene.features.shadows;
   const LightBuffer* const buffers =
       has_shadows ? scene.occluders.buffers_at(point.surface) : nullptr;
@@ -180,7 +185,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
     Color arriving = light.intensity * sample.factor;
     Color share;
     if (kRich && material.model != MaterialModel::classic) {
-      share = any_reflected_share(material, diffuse, point.normal, sample.wi, wo);
+      share = any_reflected_share(material, diffuse, point.normal, facets, sample.wi, wo);
     } else {
       share = reflected_share(material, kept_diffuse, point.normal, sample.wi, wo);
     }

@@ -191,8 +191,7 @@ class PathWavefront : public PathWavefrontHits {
     bundle.facet = select(is_back, negate(s.front), s.front);
     bundle.throughput = gather(now_->throughput, places);
     const Lanes3 shading = select(is_back, negate(s.shading), s.shading);
-    const Lanes3 wo = negate(gather(now_->rays.direction, places));
-    const LaneLambert lambert(load(met_.diffuse, at), shading, bundle.facet, wo);
+    const LaneLambert lambert(load(met_.diffuse, at), shading, bundle.facet);
     add_direct_light(bundle, lambert);
     bounce(bundle, lambert);
   }

@@ -5,6 +5,7 @@
 #include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/surface_point.h"
 #include "renderer/integrator/whitted_batches.h"
+#include "renderer/shading/bent_normal.h"
 
 namespace tessera {
 
@@ -60,16 +61,6 @@ class WhittedIntegrator final : public Integrator, public SegmentTracer {
     if (!(max_component(throughput) < kFaintest)) return false;
     ++state.counters.branches_skipped;
     return true;
-  }
-  /// The way of a ray along `d` from a mirror.
-  static Vec3 mirrored(const Vec3& d, const Vec3& n, const SurfacePoint& point) {
-    Vec3 r = reflect(d, n);
-    // A bent normal may mirror the ray into the surface; there the true one decides.
-    if (dot(r, point.geometric_normal) <= 0) r = reflect(d, point.geometric_normal);
-    return normalize(r);
-  }
-  static const Vec3& mirror_normal(const Vec3& d, const SurfacePoint& point) {
-    return dot(point.normal, d) < 0 ? point.normal : point.geometric_normal;
   }
 
   /// What the segment along `ray` brings by itself; what is to be followed from its end goes on the
@@ -152,8 +143,9 @@ class WhittedIntegrator final : public Integrator, public SegmentTracer {
     const Material& material = *point.material;
     if (!branches(material)) return kBlack;
     const Vec3 d = end.ray.direction;
-    const Vec3& n = mirror_normal(d, point);
-    const double cosine = std::min(1.0, -dot(d, n));
+    const Vec3& facet = point.geometric_normal;
+    const Vec3 n = bent_normal(point.normal, facet, -d);
+    const double cosine = std::clamp(-dot(d, n), 0.0, 1.0);
     Color share = kRich ? mirrored_share(material, cosine) : material.reflectivity;
     Color result = kBlack;
     if (bends(material)) {
@@ -167,11 +159,13 @@ class WhittedIntegrator final : public Integrator, public SegmentTracer {
       if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
         const double through = weight * material.transparency * (1 - fresnel);
         const Color tint = kRich ? transmission_tint(material) : kWhite;
+        beyond = kept_on_side(beyond, facet, true);
         result += bend(end, origins, beyond, tint * through, media_beyond(end.media, point),
                        state.counters.rays_refraction, state);
       }
     }
-    return result + bend(end, origins, mirrored(d, n, point), share * weight, end.media,
+    const Vec3 back = mirrored_view(point.normal, facet, -d);
+    return result + bend(end, origins, back, share * weight, end.media,
                          state.counters.rays_reflection, state);
   }
 

@@ -24,6 +24,7 @@
 #include "renderer/integrator/wavefront-inl.h"
 #include "renderer/integrator/whitted_surfaces.h"
 #include "renderer/math/lanes-inl.h"
+#include "renderer/shading/bent_normal.h"
 #include "renderer/shapes/lane_surface-inl.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
@@ -499,10 +500,14 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
   void go_on(const HitBundle& bundle, const Material& material, const Lanes3& result) {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3& d = bundle.direction;
-    const auto by_shading = hn::Lt(dot(bundle.normal, d), zero);
-    Lanes3 way = reflect(d, select(by_shading, bundle.normal, bundle.geometric_normal));
-    const auto into = hn::Le(dot(way, bundle.geometric_normal), zero);
-    way = normalize(select(into, reflect(d, bundle.geometric_normal), way));
+    const Lanes3 straight = reflect(d, bundle.normal);
+    // As bent_normal() asks.
+    const Lanes half = hn::Mul(dot(d, bundle.geometric_normal), broadcast(-0.5));
+    const Lanes least =
+        hn::IfThenElse(hn::Lt(half, broadcast(kLeastMirrored)), half, broadcast(kLeastMirrored));
+    const auto into = hn::Lt(dot(straight, bundle.geometric_normal), least);
+    const uint32_t bent = movemask(hn::Or(into, hn::Gt(dot(bundle.normal, d), zero)));
+    const Lanes3 way = bent_back(bundle, normalize(straight), bent & bundle.bits);
     const Lanes3 weight = multiply(bundle.throughput, broadcast(material.reflectivity));
     const Lanes most = max(weight.x, max(weight.y, weight.z));
     const uint32_t faint = movemask(hn::Lt(most, broadcast(kFaintest))) & bundle.bits;
@@ -533,6 +538,18 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
     append(bundle.path_length, onward, next_->path_length + rays.count);
     while (onward != 0)
       next_->number[rays.count++] = now_->number[bundle.places[take_lowest_lane(onward)]];
+  }
+
+  /// mirrored_view() in the lanes `bent`.
+  static Lanes3 bent_back(const HitBundle& bundle, const Lanes3& way, uint32_t bent) {
+    if (bent == 0) return way;
+    const Stored3 shading(bundle.normal), facets(bundle.geometric_normal), d(bundle.direction);
+    Stored3 ways(way);
+    while (bent != 0) {
+      const size_t lane = take_lowest_lane(bent);
+      ways.put(lane, mirrored_view(shading.vec(lane), facets.vec(lane), -d.vec(lane)));
+    }
+    return ways.load();
   }
 
   static constexpr size_t kMostBundles = (RayBatch::kMost + kLanes - 1) / kLanes;

@@ -38,13 +38,27 @@ FacetAlbedo mean_of_facets(double alpha) {
   return alpha > 0 ? mean_facet_albedo(alpha) : kMeanSchlick;
 }
 
+/// Whether what it shows depends on where it is seen from.
+bool is_directed(const Material& material) {
+  return material.model != MaterialModel::classic || !is_black(material.specular) ||
+         !is_black(material.reflectivity) ||
+         (material.transmission == Transmission::refract && material.transparency > 0);
+}
+
+Vec3 normal_of_facets(const BsdfPoint& point) {
+  if (!is_directed(point.material)) return point.normal;
+  return bent_normal(point.normal, point.geometric_normal, point.wo);
+}
+
 }  // namespace
 
 Bsdf::Bsdf(const BsdfPoint& point)
-    : frame_(facing_normal(point)),
+    : frame_(normal_of_facets(point)),
       facet_normal_(point.geometric_normal),
       from_inside_(point.from_inside) {
   wo_ = frame_.to_local(point.wo);
+  if (frame_.z != point.normal) base_normal_ = frame_.to_local(point.normal);
+  if (!(wo_.z > 0) && is_directed(point.material)) return;
   const Material& material = point.material;
   const double index = material.refractive_index;
   thin_ = material.thin;
@@ -237,20 +251,29 @@ void Bsdf::set_probabilities() {
 }
 
 BsdfValue Bsdf::evaluate(const Vec3& world_wi) const {
-  const Vec3 wi = frame_.to_local(world_wi);
-  // Bent normals let no light through the surface that they stand for.
-  if ((dot(world_wi, facet_normal_) > 0) != (wi.z > 0)) return {};
-  return evaluate_local(wi);
+  const double side = dot(world_wi, facet_normal_);
+  if (side == 0) return {};
+  return evaluate_on_side(frame_.to_local(world_wi), world_wi, side < 0);
 }
 
-BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
+BsdfValue Bsdf::evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_beyond) const {
+  BsdfValue value = evaluate_local(wi, is_beyond);
+  const Vec3 mirrored = frame_.to_local(reflect(world_wi, facet_normal_));
+  const BsdfValue folded = evaluate_local(mirrored, is_beyond);
+  value.share += folded.share;
+  value.density += folded.density;
+  return value;
+}
+
+BsdfValue Bsdf::evaluate_local(const Vec3& wi, bool is_beyond) const {
   BsdfValue value;
-  if (wi.z == 0 || !(wo_.z > 0)) return value;
-  if (wi.z > 0) {
-    if (p_base_ > 0) {
-      value.share += base(wi.z) * (wi.z * kInversePi);
-      value.density += p_base_ * wi.z * kInversePi;
-    }
+  const double cosine_to_base = dot(wi, base_normal_);
+  if (!is_beyond && p_base_ > 0 && cosine_to_base > 0) {
+    value.share += base(cosine_to_base) * (cosine_to_base * kInversePi);
+    value.density += p_base_ * cosine_to_base * kInversePi;
+  }
+  if (is_beyond ? !(wi.z < 0) : !(wi.z > 0)) return value;
+  if (!is_beyond) {
     const Vec3 half = normalize(wi + wo_);
     const double cosine = dot(wo_, half);
     if (p_facets_ > 0) {
@@ -276,7 +299,6 @@ BsdfValue Bsdf::evaluate_local(const Vec3& wi) const {
 }
 
 bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
-  if (!(wo_.z > 0)) return false;
   sample.radiance_scale = 1;
   sample.is_mirror = sample.is_beyond = false;
   Vec3 wi;
@@ -300,6 +322,8 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
   };
   if (takes(p_base_)) {
     wi = cosine_hemisphere_point(u);
+    if (!(wi.z > 0)) return false;
+    if (base_normal_.z != 1) wi = Frame(base_normal_).from_local(wi);
   } else if (takes(p_facets_)) {
     if (!off_facets(alpha_)) return false;
   } else if (takes(p_coat_)) {
@@ -311,14 +335,16 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
   } else if (p_glass_ > 0 && glass_alpha_ == 0) {
     choice = std::min(choice / p_glass_, 0x1.fffffffffffffp-1);
     if (!sample_smooth_glass(choice, sample, wi)) return false;
-  } else if (!(p_glass_ > 0) || !sample_rough_glass(choice / p_glass_, u, wi)) {
+  } else if (p_glass_ > 0 && sample_rough_glass(choice / p_glass_, u, wi)) {
+    sample.is_beyond = wi.z < 0;
+  } else {
     return false;
   }
-  sample.wi = frame_.from_local(wi);
-  sample.is_beyond = wi.z < 0;
-  if ((dot(sample.wi, facet_normal_) > 0) != (wi.z > 0)) return false;
+  const Vec3 way = frame_.from_local(wi);
+  sample.wi = kept_on_side(way, facet_normal_, sample.is_beyond);
+  if (dot(way, facet_normal_) == 0) return false;
   if (sample.is_mirror) return true;
-  const BsdfValue value = evaluate_local(wi);
+  const BsdfValue value = evaluate_on_side(wi, way, sample.is_beyond);
   if (!(value.density > 0)) return false;
   if (sample.is_beyond) sample.radiance_scale = 1 / denser_beyond_;
   // Where nothing else was to choose the density cancels.

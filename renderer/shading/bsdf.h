@@ -3,6 +3,7 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/frame.h"
 #include "renderer/math/warp.h"
+#include "renderer/shading/bent_normal.h"
 #include "renderer/shading/coat.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/microfacet.h"
@@ -14,16 +15,11 @@ namespace tessera {
 struct BsdfPoint {
   const Material& material;
   Color diffuse;          ///< the material's, after vertex colours
-  Vec3 normal;            ///< unit, for shading, towards the viewer
+  Vec3 normal;            ///< unit, for shading; on the viewer's side, or away from it
   Vec3 geometric_normal;  ///< unit, towards the viewer
   Vec3 wo;                ///< unit, to the viewer
   bool from_inside;       ///< the viewer is inside the material
 };
-
-/// The normal that light is scattered about: the true one where the other is turned away.
-inline Vec3 facing_normal(const BsdfPoint& point) {
-  return dot(point.normal, point.wo) > 0 ? point.normal : point.geometric_normal;
-}
 
 /// What is made of a colour of which more would come back than came: as much of each as there is of
 /// the largest too much.
@@ -56,28 +52,32 @@ struct BsdfSample {
 class LambertBsdf {
  public:
   explicit LambertBsdf(const BsdfPoint& point)
-      : albedo_(bounded(point.diffuse)),
-        normal_(facing_normal(point)),
-        facet_(point.geometric_normal) {}
+      : albedo_(bounded(point.diffuse)), normal_(point.normal), facet_(point.geometric_normal) {}
   bool is_smooth() const { return true; }
   BsdfValue evaluate(const Vec3& wi) const {
-    const double cosine = dot(wi, normal_);
-    if (!(cosine > 0) || !(dot(wi, facet_) > 0)) return {};
-    const double density = cosine * (1 / portable::kPi);
-    return {albedo_ * density, density};
+    if (!(dot(wi, facet_) > 0)) return {};
+    const double density = density_of(dot(wi, normal_)), mirrored = density_mirrored_to(wi);
+    return {albedo_ * density + albedo_ * mirrored, density + mirrored};
   }
   const Color& albedo() const { return albedo_; }
   bool sample(double, const Vec2& u, BsdfSample& sample) const {
     const Vec3 local = cosine_hemisphere_point(u);
-    sample.wi = Frame(normal_).from_local(local);
+    const Vec3 way = Frame(normal_).from_local(local);
+    sample.wi = kept_on_side(way, facet_, false);
     sample.weight = albedo_;
-    sample.density = local.z * (1 / portable::kPi);
+    sample.density = density_of(local.z) + density_mirrored_to(way);
     sample.radiance_scale = 1;
     sample.is_mirror = sample.is_beyond = false;
-    return local.z > 0 && dot(sample.wi, facet_) > 0;
+    return local.z > 0 && dot(way, facet_) != 0;
   }
 
  private:
+  static double density_of(double cosine) { return std::max(cosine, 0.0) * (1 / portable::kPi); }
+  /// Of what is mirrored at the surface into `wi`.
+  double density_mirrored_to(const Vec3& wi) const {
+    return density_of(dot(reflect(wi, facet_), normal_));
+  }
+
   Color albedo_;
   Vec3 normal_, facet_;
 };
@@ -98,6 +98,9 @@ class LambertBsdf {
 ///               its facets (Kulla and Conty again), or a thin sheet of it, whose facets let
 ///               light through into where they would reflect it to on the other side.
 ///
+/// Facets, mirror and glass stand about the bent_normal(), what lies under them about the shading
+/// normal. What either sends to the wrong side of the surface is mirrored at it, so that normals
+/// lose no light.
 /// A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
  public:
@@ -140,7 +143,9 @@ class Bsdf {
   double coat_over_facets(CoatedFacets kind, double facets_o, double cos_i) const;
   /// The facets' Fresnel factor under it, `cosine` being that to their normal.
   Color coated_fresnel(double cosine, double cos_i) const;
-  BsdfValue evaluate_local(const Vec3& wi) const;
+  /// Of `world_wi`, `wi` in the frame, and of what is mirrored into it from the other side.
+  BsdfValue evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_beyond) const;
+  BsdfValue evaluate_local(const Vec3& wi, bool is_beyond) const;
   BsdfValue evaluate_glass(const Vec3& wi) const;
   BsdfValue evaluate_glass_facets(const Vec3& wi) const;
   BsdfValue evaluate_sheet_facets(const Vec3& wi) const;
@@ -148,7 +153,8 @@ class Bsdf {
   bool sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const;
 
   Frame frame_;
-  Vec3 facet_normal_, wo_;  ///< the latter in the frame
+  Vec3 facet_normal_;
+  Vec3 wo_, base_normal_{0, 0, 1};  ///< in the frame
   // Facets.
   double alpha_ = 0;  ///< 0: they are a mirror
   Color f0_ = kBlack;

@@ -72,33 +72,36 @@ struct LaneValue {
 };
 class LaneLambert {
  public:
-  /// Normals towards the viewer, who is at `wo`; `facet` is the geometric one.
-  HWY_INLINE LaneLambert(const Lanes3& diffuse, const Lanes3& shading, const Lanes3& facet,
-                         const Lanes3& wo)
-      : albedo_(bounded(diffuse)), facet_(facet) {
-    const auto faces = hn::Gt(dot(shading, wo), hn::Zero(kLaneTag));
-    normal_ = select(faces, shading, facet);
-  }
+  /// `facet` is the geometric normal, towards the viewer.
+  HWY_INLINE LaneLambert(const Lanes3& diffuse, const Lanes3& shading, const Lanes3& facet)
+      : albedo_(bounded(diffuse)), normal_(shading), facet_(facet) {}
   const Lanes3& albedo() const { return albedo_; }
   HWY_INLINE LaneValue evaluate(const Lanes3& wi) const {
-    const Lanes zero = hn::Zero(kLaneTag), cosine = dot(wi, normal_);
-    const auto is_lit = hn::And(hn::Gt(cosine, zero), hn::Gt(dot(wi, facet_), zero));
-    const Lanes density = hn::IfThenElseZero(is_lit, hn::Mul(cosine, broadcast(1 / portable::kPi)));
-    const Lanes3 share = multiply(albedo_, density);
-    return {{hn::IfThenElseZero(is_lit, share.x), hn::IfThenElseZero(is_lit, share.y),
-             hn::IfThenElseZero(is_lit, share.z)},
-            density};
+    const auto is_before = hn::Gt(dot(wi, facet_), hn::Zero(kLaneTag));
+    const Lanes density = hn::IfThenElseZero(is_before, density_of(dot(wi, normal_)));
+    const Lanes mirrored = hn::IfThenElseZero(is_before, density_mirrored_to(wi));
+    return {add(multiply(albedo_, density), multiply(albedo_, mirrored)),
+            hn::Add(density, mirrored)};
   }
   /// Whether each goes on.
   HWY_INLINE LaneMask sample(const Lanes2& u, Lanes3& wi, Lanes& density) const {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3 local = cosine_hemisphere_point(u);
     wi = from_local(normal_, local);
-    density = hn::Mul(local.z, broadcast(1 / portable::kPi));
-    return hn::And(hn::Gt(local.z, zero), hn::Gt(dot(wi, facet_), zero));
+    density = hn::Add(density_of(local.z), density_mirrored_to(wi));
+    const Lanes height = dot(wi, facet_);
+    wi = select(hn::Lt(height, zero), reflect(wi, facet_), wi);
+    return hn::And(hn::Gt(local.z, zero), hn::Ne(height, zero));
   }
 
  private:
+  static HWY_INLINE Lanes density_of(Lanes cosine) {
+    return hn::Mul(max(cosine, hn::Zero(kLaneTag)), broadcast(1 / portable::kPi));
+  }
+  HWY_INLINE Lanes density_mirrored_to(const Lanes3& wi) const {
+    return density_of(dot(reflect(wi, facet_), normal_));
+  }
+
   Lanes3 albedo_, normal_, facet_;
 };
 

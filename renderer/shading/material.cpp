@@ -40,47 +40,53 @@ double highlight_alpha(double roughness) {
 /// (1 - roughness)^2: see scene.proto, Physical.
 double mirror_weight(double roughness) { return (1 - roughness) * (1 - roughness); }
 
+/// What facets about `n` send from `wi` to `wo`, times the cosine of `wi`.
+double facets_share(double alpha, const Vec3& n, const Vec3& wi, const Vec3& wo, const Vec3& half) {
+  const double cosine = dot(n, wi);
+  if (!(cosine > 0) || !(dot(n, wo) > 0)) return 0;
+  return cosine * microfacet_share(alpha, n, wi, wo, half);
+}
+
 Color clearcoat_fresnel(const Material& material, double cosine) {
   return fresnel_schlick(kWhite * 0.04, cosine) * material.clearcoat;
 }
 
-Color physical_share(const Material& material, const Color& base, const Vec3& n, const Vec3& wi,
-                     const Vec3& wo, const Vec3& half) {
+Color physical_share(const Material& material, const Color& base, double n_dot_l,
+                     const Vec3& facets, const Vec3& wi, const Vec3& wo, const Vec3& half) {
   const double h_dot_v = dot(half, wo);
   const Color fresnel = fresnel_schlick(normal_reflectance(material, base), h_dot_v);
   const double kept = (1 - material.metallic) * (1 - material.transparency);
-  const double facets = microfacet_share(highlight_alpha(material.roughness), n, wi, wo, half);
-  Color share = (kWhite - fresnel) * base * kept + fresnel * facets;
+  const auto off_facets = [&](double roughness) {
+    return facets_share(highlight_alpha(roughness), facets, wi, wo, half);
+  };
+  Color share =
+      (kWhite - fresnel) * base * (kept * n_dot_l) + fresnel * off_facets(material.roughness);
   if (material.clearcoat > 0) {
     const Color coat = clearcoat_fresnel(material, h_dot_v);
-    const double coat_facets =
-        microfacet_share(highlight_alpha(material.clearcoat_roughness), n, wi, wo, half);
-    share = share * (kWhite - coat) + coat * coat_facets;
+    share = share * (kWhite - coat) + coat * off_facets(material.clearcoat_roughness);
   }
-  return share * dot(n, wi);
+  return share;
 }
 
 }  // namespace
 
 Color any_reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
-                          const Vec3& wi, const Vec3& wo) {
+                          const Vec3& facets, const Vec3& wi, const Vec3& wo) {
   if (material.model == MaterialModel::classic) {
     return reflected_share(material, diffuse, n, wi, wo);
   }
-  const double n_dot_l = dot(n, wi);
-  // A shading normal may point away from the viewer: no facet is seen then.
-  if (n_dot_l <= 0 || dot(n, wo) <= 0) return kBlack;
+  const double n_dot_l = std::max(dot(n, wi), 0.0);
+  if (n_dot_l == 0 && dot(facets, wi) <= 0) return kBlack;
   const Vec3 half = normalize(wi + wo);
   if (material.model == MaterialModel::physical) {
-    return physical_share(material, diffuse, n, wi, wo, half);
+    return physical_share(material, diffuse, n_dot_l, facets, wi, wo, half);
   }
   if (material.roughness == 0) return kBlack;  // a mirror shows no light without extent
   const double h_dot_v = std::clamp(dot(half, wo), 0.0, 1.0);
   const Color fresnel = material.model == MaterialModel::conductor
                             ? fresnel_conductor(h_dot_v, material.eta, material.k)
                             : kWhite * fresnel_dielectric(h_dot_v, material.refractive_index);
-  return fresnel *
-         (n_dot_l * microfacet_share(highlight_alpha(material.roughness), n, wi, wo, half));
+  return fresnel * facets_share(highlight_alpha(material.roughness), facets, wi, wo, half);
 }
 
 Color mirrored_share(const Material& material, double cosine) {

@@ -145,9 +145,9 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
 }
 
 /// The same of a material of any model; in all but the classic one light behind the surface gives
-/// nothing.
+/// nothing, and facets stand about the bent_normal() `facets`.
 Color any_reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
-                          const Vec3& wi, const Vec3& wo);
+                          const Vec3& facets, const Vec3& wi, const Vec3& wo);
 
 /// The share of light that comes back along the ideal mirror direction, refraction apart; `cosine`
 /// in [0, 1] is that of the angle of incidence.

@@ -13,6 +13,7 @@
 #include "renderer/math/rounding.h"
 #include "renderer/math/transform.h"
 #include "renderer/shapes/lane_surface-inl.h"
+#include "renderer/shapes/surface_interaction.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -80,7 +81,7 @@ HWY_INLINE void take_to_world(const Transform& world_from_object, bool flip_norm
   }
   s.shading = select(is_flat, s.front, s.shading);
   if (flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
-  const auto is_behind = hn::Lt(dot(s.front, s.shading), hn::Zero(kLaneTag));
+  const auto is_behind = hn::Lt(dot(s.front, s.shading), broadcast(kInsideOut));
   s.shading = select(is_behind, negate(s.shading), s.shading);
 }
 

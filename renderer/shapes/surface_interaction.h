@@ -7,10 +7,14 @@
 namespace tessera {
 
 /// The surface at a hit in world space: what shading sees. Its geometric normal shows the front,
-/// the shading normal is on the same side, and the error bound counts the rounding of later
-/// transforms of the point. Of the same type, so that none need be copied into the other: wide
-/// loads of what was written in parts make the processor wait.
+/// the shading normal leans at most 120 degrees from it, and the error bound counts the rounding of
+/// later transforms of the point. Of the same type, so that none need be copied into the other:
+/// wide loads of what was written in parts make the processor wait.
 using SurfaceInteraction = LocalSurface;
+
+/// A normal of vertices whose cosine to its face's is less stands for a mesh whose normals point
+/// inward, and is turned round; others may lean as far from the face as they do.
+inline constexpr double kInsideOut = -0.5;
 
 /// Takes the surface into world space where it stands. Normals go by the inverse transpose, so that
 /// the front stays the front under a mirroring transform too; `flip_normals` turns them round.

@@ -143,5 +143,57 @@ TEST(Dielectric, lets_light_through_to_what_is_behind) {
   EXPECT_NEAR(grey(scene + sun(0)), 1, 1e-6);
 }
 
+/// A square across the view whose four corners have that normal.
+std::string leaning(const std::string& material, double y, double z) {
+  const std::string n = "0, " + std::to_string(y) + ", " + std::to_string(z);
+  return "materials { name: 'm' " + material +
+         " } nodes { shape { materials: 'm' mesh { inline_positions: [-9, -9, 0, 9, -9, 0, 9, 9, "
+         "0, "
+         "-9, 9, 0] inline_triangles: [0, 1, 2, 0, 2, 3] inline_normals: [" +
+         n + ", " + n + ", " + n + ", " + n + "] } } } ";
+}
+
+TEST(LeaningNormals, light_changes_by_little_where_they_turn_away) {
+  const std::string light = "nodes { light { directional { direction { y: -1 z: -.5 } } } } ";
+  const std::string plastic =
+      "physical { metallic { value: 0 } base_color { value { r: .5 g: .5 b: .5 } } }";
+  for (const std::string kind : {"whitted", "path"}) {
+    const std::string settings = "settings { integrator { kind: '" + kind + "' } } ";
+    for (const std::string& material : {plastic, std::string("classic { }")}) {
+      SCOPED_TRACE(kind + ", " + material);
+      const auto seen = [&](double z) { return grey(settings + leaning(material, 1, z) + light); };
+      // From the viewer's side to the other, where they also lean over the face's edge.
+      EXPECT_GT(seen(.01), .3);
+      EXPECT_NEAR(seen(-.01), seen(.01), .02);
+      EXPECT_NEAR(seen(-.3), seen(-.28), .03);
+      EXPECT_GT(seen(-.3), .2);
+    }
+  }
+}
+
+TEST(LeaningNormals, those_that_point_inward_are_turned) {
+  const std::string light = "nodes { light { directional { direction { z: -1 } } } } ";
+  EXPECT_NEAR(grey(leaning("classic { }", .3, -1) + light),
+              grey(leaning("classic { }", -.3, 1) + light), 1e-9);
+}
+
+TEST(LeaningNormals, mirrors_and_glass_see_all_that_is_around_them) {
+  const std::string sky = "background { solid { r: 1 g: 1 b: 1 } } ";
+  for (const double z : {1., .6, .3, .05, -.1, -.4}) {
+    SCOPED_TRACE(z);
+    for (const std::string kind : {"whitted", "path"}) {
+      const std::string settings = "settings { integrator { kind: '" + kind + "' } } ";
+      EXPECT_NEAR(grey(settings + leaning("physical { roughness { value: 0 } }", 1, z) + sky), 1,
+                  1e-6);
+      EXPECT_NEAR(
+          grey(settings +
+               leaning("classic { diffuse { value { } } reflectivity { value { g: 1 } } }", 1, z) +
+               sky),
+          1, 1e-6);
+    }
+    EXPECT_NEAR(grey(leaning("dielectric { }", 1, z) + sky), 1, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace tessera

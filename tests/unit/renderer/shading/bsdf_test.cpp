@@ -109,8 +109,15 @@ std::vector<BsdfCase> smooth_cases() {
           whole(seen_from_inside(physical("the same from inside", 0, 0.6, 1, 0.8)))};
 }
 
-Bsdf bsdf_of(const BsdfCase& c, const Vec3& wo) {
-  return Bsdf({c.material, c.material.diffuse, {0, 0, 1}, {0, 0, 1}, wo, c.from_inside});
+Bsdf bsdf_of(const BsdfCase& c, const Vec3& wo, const Vec3& normal = {0, 0, 1}) {
+  return Bsdf({c.material, c.material.diffuse, normal, {0, 0, 1}, wo, c.from_inside});
+}
+
+/// Some that lean from the surface: little; so that the view is mirrored into it; away from a
+/// viewer at +x; to its other side.
+std::vector<Vec3> leaning_normals() {
+  return {normalize(Vec3{0.2, -0.1, 1}), normalize(Vec3{-0.5, 0.3, 0.6}),
+          normalize(Vec3{-1, 0.1, 0.3}), normalize(Vec3{0.2, 1, -0.3})};
 }
 
 Vec3 at_angle(double degrees) {
@@ -132,76 +139,82 @@ Color albedo(const Bsdf& bsdf, int side = 512) {
   return sum * (1.0 / (side * side));
 }
 
-TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
+void expect_samples_follow_density(const Bsdf& bsdf) {
   const bool full = std::getenv("TESSERA_NUMERICS_FULL") != nullptr;
   const int rows = full ? 101 : 24, columns = rows, fine = full ? 8 : 20;
   const int count = full ? 1000000 : 60000;
+  // Expected counts by integrating the density over cells of equal solid angle.
+  std::vector<double> expected(rows * columns), found(rows * columns);
+  double total = 0;
+  for (int row = 0; row < rows * fine; ++row) {
+    for (int column = 0; column < columns * fine; ++column) {
+      const double z = 2 * (row + 0.5) / (rows * fine) - 1;
+      const double phi = 2 * std::numbers::pi * (column + 0.5) / (columns * fine),
+                   r = std::sqrt(1 - z * z);
+      const double p = bsdf.evaluate({r * std::cos(phi), r * std::sin(phi), z}).density *
+                       (4 * std::numbers::pi / (rows * columns * fine * fine));
+      expected[(row / fine) * columns + column / fine] += p * count;
+      total += p;
+    }
+  }
+  EXPECT_LE(total, 1.004);
+  UniformNumbers random(20261121);
+  BsdfSample sample;
+  int ended = 0;
+  for (int i = 0; i < count; ++i) {
+    const double choice = random();
+    const double x = random(), y = random();
+    if (!bsdf.sample(choice, {x, y}, sample)) {
+      ++ended;
+      continue;
+    }
+    ASSERT_FALSE(sample.is_mirror);
+    ASSERT_NEAR(length(sample.wi), 1, 1e-9);
+    const BsdfValue value = bsdf.evaluate(sample.wi);
+    ASSERT_NEAR(value.density, sample.density, 1e-6 * sample.density);
+    ASSERT_NEAR(value.share.r, sample.weight.r * sample.density, 1e-6 * (value.share.r + 1e-6));
+    const int row = std::min(static_cast<int>((sample.wi.z + 1) / 2 * rows), rows - 1);
+    double phi = std::atan2(sample.wi.y, sample.wi.x);
+    if (phi < 0) phi += 2 * std::numbers::pi;
+    const int column =
+        std::min(static_cast<int>(phi / (2 * std::numbers::pi) * columns), columns - 1);
+    ++found[row * columns + column];
+  }
+  // Within 4.5 deviations of what ended, and .004 for the rule of mid-points.
+  EXPECT_NEAR(total, 1 - static_cast<double>(ended) / count, 0.004 + 2.25 / std::sqrt(count));
+  // Cells of few expected samples go together.
+  double chi2 = 0, pooled_expected = 0, pooled_found = 0;
+  int freedom = -1;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    if (expected[i] < 20) {
+      pooled_expected += expected[i];
+      pooled_found += found[i];
+      continue;
+    }
+    // The rule of mid-points leaves an error of its own where the density is sharp.
+    const double variance = expected[i] + 4e-4 * expected[i] * expected[i];
+    chi2 += (found[i] - expected[i]) * (found[i] - expected[i]) / variance;
+    ++freedom;
+  }
+  if (pooled_expected >= 20) {
+    chi2 += (pooled_found - pooled_expected) * (pooled_found - pooled_expected) / pooled_expected;
+    ++freedom;
+  }
+  // Wilson and Hilferty: about normal; 4.5 is a false alarm in 300,000.
+  const double spread = 2.0 / (9 * freedom);
+  const double normal = (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread);
+  EXPECT_LT(normal, 4.5) << chi2 << " for " << freedom;
+}
+
+TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28
   for (const BsdfCase& c : smooth_cases()) {
     for (const double degrees : {10.0, 60.0, 80.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
-      const Bsdf bsdf = bsdf_of(c, at_angle(degrees));
-      // Expected counts by integrating the density over cells of equal solid angle.
-      std::vector<double> expected(rows * columns), found(rows * columns);
-      double total = 0;
-      for (int row = 0; row < rows * fine; ++row) {
-        for (int column = 0; column < columns * fine; ++column) {
-          const double z = 2 * (row + 0.5) / (rows * fine) - 1;
-          const double phi = 2 * std::numbers::pi * (column + 0.5) / (columns * fine),
-                       r = std::sqrt(1 - z * z);
-          const double p = bsdf.evaluate({r * std::cos(phi), r * std::sin(phi), z}).density *
-                           (4 * std::numbers::pi / (rows * columns * fine * fine));
-          expected[(row / fine) * columns + column / fine] += p * count;
-          total += p;
-        }
-      }
-      EXPECT_LE(total, 1.004);
-      UniformNumbers random(20261121);
-      BsdfSample sample;
-      int ended = 0;
-      for (int i = 0; i < count; ++i) {
-        const double choice = random();
-        const double x = random(), y = random();
-        if (!bsdf.sample(choice, {x, y}, sample)) {
-          ++ended;
-          continue;
-        }
-        ASSERT_FALSE(sample.is_mirror);
-        ASSERT_NEAR(length(sample.wi), 1, 1e-9);
-        const BsdfValue value = bsdf.evaluate(sample.wi);
-        ASSERT_NEAR(value.density, sample.density, 1e-6 * sample.density);
-        ASSERT_NEAR(value.share.r, sample.weight.r * sample.density, 1e-6 * (value.share.r + 1e-6));
-        const int row = std::min(static_cast<int>((sample.wi.z + 1) / 2 * rows), rows - 1);
-        double phi = std::atan2(sample.wi.y, sample.wi.x);
-        if (phi < 0) phi += 2 * std::numbers::pi;
-        const int column =
-            std::min(static_cast<int>(phi / (2 * std::numbers::pi) * columns), columns - 1);
-        ++found[row * columns + column];
-      }
-      // Within 4.5 deviations of what ended, and .004 for the rule of mid-points.
-      EXPECT_NEAR(total, 1 - static_cast<double>(ended) / count, 0.004 + 2.25 / std::sqrt(count));
-      // Cells of few expected samples go together.
-      double chi2 = 0, pooled_expected = 0, pooled_found = 0;
-      int freedom = -1;
-      for (size_t i = 0; i < expected.size(); ++i) {
-        if (expected[i] < 20) {
-          pooled_expected += expected[i];
-          pooled_found += found[i];
-          continue;
-        }
-        // The rule of mid-points leaves an error of its own where the density is sharp.
-        const double variance = expected[i] + 4e-4 * expected[i] * expected[i];
-        chi2 += (found[i] - expected[i]) * (found[i] - expected[i]) / variance;
-        ++freedom;
-      }
-      if (pooled_expected >= 20) {
-        chi2 +=
-            (pooled_found - pooled_expected) * (pooled_found - pooled_expected) / pooled_expected;
-        ++freedom;
-      }
-      // Wilson and Hilferty: about normal; 4.5 is a false alarm in 300,000.
-      const double spread = 2.0 / (9 * freedom);
-      const double normal = (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread);
-      EXPECT_LT(normal, 4.5) << chi2 << " for " << freedom;
+      expect_samples_follow_density(bsdf_of(c, at_angle(degrees)));
+    }
+    for (const Vec3& normal : leaning_normals()) {
+      SCOPED_TRACE(c.name + " leaning by " + std::to_string(normal.x));
+      expect_samples_follow_density(bsdf_of(c, at_angle(60), normal));
     }
   }
 }
@@ -211,7 +224,45 @@ TEST(Bsdf, GivesBackNoMoreThanItGets) {
     for (const double degrees : {0.0, 45.0, 70.0, 85.0, 89.0}) {
       SCOPED_TRACE(c.name + " at " + std::to_string(degrees));
       EXPECT_LE(max_component(albedo(bsdf_of(c, at_angle(degrees)))), 1.004);
+      for (const Vec3& normal : leaning_normals())
+        EXPECT_LE(max_component(albedo(bsdf_of(c, at_angle(degrees), normal), 64)), 1.01);
     }
+  }
+}
+
+TEST(Bsdf, LeaningNormalsLoseNoLight) {
+  std::vector<BsdfCase> cases = {classic("lambert", kWhite, kBlack),
+                                 classic("highlight", kWhite * 0.6, kWhite * 0.4),
+                                 physical("metal", 1, 0.3),
+                                 physical("rough metal", 1, 1),
+                                 physical("plastic", 0, 0.4),
+                                 physical("mirror", 1, 0),
+                                 glass("glass", 0, false),
+                                 glass("glass from inside", 0, true),
+                                 whole(glass("rough glass", 0.5, false)),
+                                 whole(glass("rough glass from inside", 0.5, true)),
+                                 sheet(glass("rough glass", 0.5, false))};
+  for (BsdfCase& c : cases) {
+    if (c.material.model != MaterialModel::classic) c.material.diffuse = kWhite;
+    for (const double degrees : {0.0, 30.0, 60.0, 80.0}) {
+      for (const Vec3& normal : leaning_normals()) {
+        SCOPED_TRACE(c.name + " at " + std::to_string(degrees) + " by " + std::to_string(normal.x));
+        EXPECT_NEAR(albedo(bsdf_of(c, at_angle(degrees), normal), 256).g, 1, 0.01);
+      }
+    }
+  }
+}
+
+TEST(Bsdf, ChangesByLittleWhereANormalTurnsAway) {
+  // From a normal that faces the viewer to one that does not, and from the front to the back.
+  const Vec3 wo = at_angle(60), wi = normalize(Vec3{-0.4, 0.7, 0.5});
+  const auto leaning = [](double x, double z) { return normalize(Vec3{x, 0.2, z}); };
+  for (const BsdfCase& c : smooth_cases()) {
+    SCOPED_TRACE(c.name);
+    const double away = -0.5 / std::sqrt(0.75);
+    const auto share = [&](const Vec3& n) { return bsdf_of(c, wo, n).evaluate(wi).share.g; };
+    EXPECT_NEAR(share(leaning(away - 1e-6, 1)), share(leaning(away + 1e-6, 1)), 1e-4);
+    EXPECT_NEAR(share(leaning(-1, -1e-6)), share(leaning(-1, 1e-6)), 1e-4);
   }
 }
 
