@@ -15,9 +15,8 @@
 namespace tessera {
 namespace {
 
-constexpr double kFieldOfView = 35;               // degrees
-constexpr double kTanHalf = 0.31529878887898355;  // of half of it
-constexpr double kMargin = 1.06;
+constexpr double kFieldOfView = 35;  // degrees
+constexpr double kSoftBox = 32;      // degrees from the zenith towards the viewer
 
 /// The frame that looks along -back.
 struct Frame {
@@ -30,26 +29,16 @@ Frame view_frame() {
   return {right, cross(back, right), back};
 }
 
-using Points = std::vector<Point3>;
-
-/// Adds corners of a box to the points, as they stand under `world`.
-void add_box(const Bounds3& box, const Affine& world, Points& points) {
-  for (int corner = 0; corner < 8; ++corner)
-    points.push_back(
-        world(Point3{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                     corner & 4 ? box.max.z : box.min.z}));
-}
-
-/// Finds the points of meshes that a view has to show.
-class PointFinder {
+/// Finds the box of all meshes.
+class BoundsFinder {
  public:
-  explicit PointFinder(const LoadedScene& loaded) : loaded_(loaded) {
+  explicit BoundsFinder(const LoadedScene& loaded) : loaded_(loaded) {
     for (const v1::Object& object : loaded.scene.objects()) objects_[object.name()] = &object;
   }
 
-  Points find() {
+  Bounds3 find() {
     for (const v1::Node& node : loaded_.scene.nodes()) visit(node, {}, 0);
-    return std::move(points_);
+    return bounds_;
   }
 
  private:
@@ -63,60 +52,32 @@ class PointFinder {
     for (const v1::Node& child : object->second->nodes()) visit(child, world, depth + 1);
   }
 
-  /// All vertices, as long as they are few enough; then the corners of boxes.
   void add(const v1::TriangleMesh& mesh, const Affine& world) {
-    const auto digest = Digest::parse(mesh.positions().digest());
-    const BlobData blob = digest ? loaded_.blobs.find(*digest) : nullptr;
-    if (!blob) return;
-    const size_t count = blob->size() / 12;
-    if (count <= kMostPoints && points_.size() <= kMostPoints - count) {
-      const size_t needed = points_.size() + count;
-      if (needed > points_.capacity()) points_.reserve(std::max(needed, 2 * points_.capacity()));
-      for (size_t i = 0; i < count; ++i) points_.push_back(world(point(*blob, i)));
-      return;
-    }
     const auto [at, is_new] = boxes_.try_emplace(mesh.positions().digest());
-    if (is_new)
-      for (size_t i = 0; i < count; ++i) at->second.extend(point(*blob, i));
-    add_box(at->second, world, points_);
-  }
-
-  static Point3 point(const Blob& blob, size_t index) {
-    std::array<float, 3> p;
-    std::memcpy(p.data(), blob.data() + index * sizeof p, sizeof p);
-    return {p[0], p[1], p[2]};
+    Bounds3& box = at->second;
+    if (is_new) {
+      const auto digest = Digest::parse(mesh.positions().digest());
+      const BlobData blob = digest ? loaded_.blobs.find(*digest) : nullptr;
+      std::array<float, 3> p;
+      for (size_t i = 0; blob && i + sizeof p <= blob->size(); i += sizeof p) {
+        std::memcpy(p.data(), blob->data() + i, sizeof p);
+        box.extend(Point3{p[0], p[1], p[2]});
+      }
+    }
+    if (box.empty()) return;
+    for (int corner = 0; corner < 8; ++corner)
+      bounds_.extend(
+          world(Point3{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                       corner & 4 ? box.max.z : box.min.z}));
   }
 
   static constexpr int kMaxDepth = 64;
-  static constexpr size_t kMostPoints = size_t{1} << 22;
 
   const LoadedScene& loaded_;
   std::map<std::string, const v1::Object*> objects_;
   std::map<std::string, Bounds3> boxes_;
-  Points points_;
+  Bounds3 bounds_;
 };
-
-/// The eye from which the model just fits the view, and the point that it looks at.
-struct Fit {
-  Vec3 eye, target;
-};
-
-Fit fit(const Points& points, const Frame& frame) {
-  Bounds3 seen;  // in the frame's axes
-  const auto along = [](const Point3& p, const Vec3& axis) { return dot(p - Point3{}, axis); };
-  for (const Point3& p : points)
-    seen.extend(Point3{along(p, frame.right), along(p, frame.up), along(p, frame.back)});
-  const Point3 middle = seen.empty() ? Point3{} : seen.center();
-  double distance = 0;
-  for (const Point3& p : points) {
-    const double across = std::max(std::abs(along(p, frame.right) - middle.x),
-                                   std::abs(along(p, frame.up) - middle.y));
-    distance = std::max(distance, across * kMargin / kTanHalf + along(p, frame.back) - middle.z);
-  }
-  if (distance <= 0) distance = 1;
-  const Vec3 target = frame.right * middle.x + frame.up * middle.y + frame.back * middle.z;
-  return {target + frame.back * distance, target};
-}
 
 void put(const Vec3& v, v1::Vec3* out) {
   out->set_x(v.x);
@@ -139,21 +100,42 @@ void add_light(v1::Scene& scene, const char* name, const Vec3& from, double inte
   light.set_intensity(intensity);
 }
 
-void add_camera(LoadedScene& loaded, const Frame& frame) {
-  const Fit view = fit(PointFinder(loaded).find(), frame);
-  v1::Camera& camera = *loaded.scene.add_cameras();
-  camera.set_name("default");
-  v1::LookAt& look = *camera.mutable_world_from_camera()->add_steps()->mutable_look_at();
-  put(view.eye, look.mutable_eye());
-  put(view.target, look.mutable_target());
-  camera.mutable_perspective()->set_field_of_view(kFieldOfView);
+/// Gives cameras that stand within the model a light of their own: walls may keep all others out.
+void add_headlights(v1::Scene& scene, const Bounds3& bounds) {
+  for (v1::Camera& camera : *scene.mutable_cameras()) {
+    if (!bounds.contains(to_affine(camera.world_from_camera())(Point3{}))) continue;
+    v1::Light& light = *camera.mutable_headlight();
+    light.mutable_point();
+    light.set_intensity(0.3);
+  }
 }
 
+/// What lies around the model sends about as much light as the ambient light, which stands for it
+/// where paths are not followed.
 void add_lights(v1::Scene& scene, const Frame& frame) {
-  add_light(scene, "key", frame.back + frame.up * 0.9 - frame.right * 0.7, 0.85, 1);
+  add_light(scene, "key", frame.back + frame.up * 0.9 - frame.right * 0.7, 0.65, 1);
   add_light(scene, "fill", frame.back + frame.right, 0.15, -0.5);
   add_light(scene, "rim", frame.up * 0.8 - frame.back + frame.right * 0.6, 0.3, -1);
-  put(.06, .06, .07, scene.mutable_settings()->mutable_integrator()->mutable_ambient());
+  put(.18, .18, .2, scene.mutable_settings()->mutable_integrator()->mutable_ambient());
+}
+
+/// A studio: a round soft box over the viewer's head, and dim walls that grow darker away from it,
+/// so that what mirrors them differs from what is seen behind it.
+void add_background(v1::Scene& scene, const Frame& frame) {
+  struct Ring {
+    double angle, r, g, b;  ///< degrees from the middle of the soft box
+  };
+  constexpr Ring kRings[] = {
+      {0, .8, .8, .8}, {18, .8, .8, .8}, {28, .2, .22, .25}, {110, .17, .19, .22}, {180, .05, .05, .06}};
+  v1::Background& background = *scene.mutable_background();
+  v1::Background::Rings& rings = *background.mutable_rings();
+  for (const Ring& ring : kRings) {
+    put(ring.r, ring.g, ring.b, rings.add_sky());
+    if (ring.angle > 0) rings.add_sky_angles(ring.angle);
+  }
+  v1::AxisAngle& turn = *background.mutable_orientation()->add_steps()->mutable_rotate();
+  put(frame.right, turn.mutable_axis());
+  turn.set_angle(kSoftBox);
 }
 
 bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {
@@ -167,12 +149,13 @@ bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {
 void add_default_view(LoadedScene& loaded) {
   v1::Scene& scene = loaded.scene;
   const Frame frame = view_frame();
-  if (scene.cameras().empty()) add_camera(loaded, frame);
-  if (!has_light(scene.nodes())) add_lights(scene, frame);
-  if (scene.has_background()) return;
-  v1::Background::Gradient& gradient = *scene.mutable_background()->mutable_gradient();
-  put(.42, .5, .6, gradient.mutable_sky());
-  put(.16, .17, .19, gradient.mutable_ground());
+  const bool is_lit = has_light(scene.nodes());
+  if (!is_lit) add_lights(scene, frame);
+  if (scene.cameras().empty())
+    *scene.add_cameras() = three_quarters_camera(kFieldOfView);
+  else if (!is_lit)
+    add_headlights(scene, BoundsFinder(loaded).find());
+  if (!scene.has_background()) add_background(scene, frame);
 }
 
 }  // namespace tessera

@@ -147,8 +147,12 @@ class Converter {
     if (model_.refracts)
       for (float& c : seen) c *= static_cast<float>(1 - transparency_);
     color(seen, "map_kd", out.mutable_diffuse());
-    if (entry_.ambient)
-      color(*entry_.ambient, map("map_ka") ? "map_ka" : "map_kd", out.mutable_ambient());
+    // Many tools write a white Ka whatever the colour is; no surface sends more on than it does of
+    // other light.
+    Rgb ambient = seen;
+    for (size_t c = 0; entry_.ambient && c < ambient.size(); ++c)
+      ambient[c] = std::min(ambient[c], (*entry_.ambient)[c]);
+    color(ambient, map("map_ka") ? "map_ka" : "map_kd", out.mutable_ambient());
     const Rgb specular = beneath("map_ks", entry_.specular, {});
     if (model_.highlight && !is_black(specular)) color(specular, "map_ks", out.mutable_specular());
     if (model_.mirror && !is_black(specular)) color(specular, "map_ks", out.mutable_reflectivity());

@@ -17,17 +17,7 @@ void add_rotation(const X3dRotation& turn, v1::Transform& out) {
   rotate.set_angle(degrees_from_radians(turn.angle));
 }
 
-v1::Camera default_camera() {
-  v1::Camera camera;
-  camera.set_name("default");
-  v1::LookAt& look = *camera.mutable_world_from_camera()->add_steps()->mutable_look_at();
-  put_vec3(three_quarters(), look.mutable_eye());
-  put_vec3({}, look.mutable_target());
-  camera.mutable_perspective()->set_field_of_view(45);
-  camera.mutable_perspective()->set_axis(v1::Perspective::SMALLER);
-  camera.set_frame_all(true);
-  return camera;
-}
+v1::Camera default_camera() { return three_quarters_camera(45); }
 
 double mean_scale(const v1::Transform& transform) {
   double volume = 1;

@@ -109,9 +109,8 @@ TEST_F(ReadScene, GivesABareModelAView) {
   const LoadedScene loaded =
       read_scene(write("t.obj", "v 99 0 0\nv 101 0 0\nv 100 3 0\nf 1 2 3\n"));
   ASSERT_EQ(loaded.scene.cameras_size(), 1);
-  const v1::LookAt& look = loaded.scene.cameras(0).world_from_camera().steps(0).look_at();
-  EXPECT_NEAR(look.target().x(), 100, 1);
-  EXPECT_GT(look.eye().z(), 2);
+  EXPECT_TRUE(loaded.scene.cameras(0).frame_all());
+  EXPECT_FALSE(loaded.scene.cameras(0).has_headlight());
   EXPECT_EQ(summarize(loaded.scene, loaded.blobs).undefined.size(), 0u);
 }
 
@@ -192,11 +191,28 @@ TEST_F(ReadScene, PlacesFilesOfAnyFolderAndTheSceneItself) {
   EXPECT_EQ(whole.children(1).transform().steps(0).translate().x(), 10);
   EXPECT_EQ(whole.children(2).transform().steps(0).translate().x(), 20);
   EXPECT_EQ(whole.children(1).instance_of(), whole.children(2).instance_of());
-  // Points from 30 to 51 along x are in view: the model's own and those of both placements.
   ASSERT_EQ(s.cameras_size(), 1);
-  const v1::Vec3& target = s.cameras(0).world_from_camera().steps(0).look_at().target();
-  EXPECT_GT(target.x(), 35);
-  EXPECT_LT(target.x(), 46);
+  EXPECT_TRUE(s.cameras(0).frame_all()) << "both placements are in view";
+}
+
+TEST_F(ReadScene, GivesACameraWithinAModelALightOfItsOwn) {
+  // Two triangles, one on either side of the first camera and both behind the second.
+  std::string head =
+      "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],"
+      "\"nodes\":[{\"mesh\":0,\"translation\":[-2,-2,-2],\"scale\":[4,4,4]},"
+      "{\"mesh\":0,\"translation\":[0,0,3]},{\"camera\":0},"
+      "{\"camera\":0,\"translation\":[0,0,9]}],"
+      "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
+      "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+      "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+      "\"buffers\":[{\"byteLength\":36,\"uri\":\"t.bin\"}]}";
+  const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  write("t.bin", std::string(reinterpret_cast<const char*>(corners), sizeof corners));
+  const v1::Scene s = read_scene(write("room.gltf", head)).scene;
+  ASSERT_EQ(s.cameras_size(), 2);
+  EXPECT_TRUE(s.cameras(0).headlight().has_point());
+  EXPECT_FALSE(s.cameras(1).has_headlight());
 }
 
 TEST_F(ReadScene, GivesAModelOnlyWhatItCameWithout) {
