@@ -261,6 +261,22 @@ class StoredSamples(TesseraTest):
         rmse = next(line for line in result.out.splitlines() if line.startswith("linear rmse")).split()[2]
         self.assertLess(float(rmse), 1e-6)
 
+    def test_compare_says_where_codes_meet_light(self):
+        self.write("a.png", png(RGB, 16))
+        self.write("b.exr", exr(dict(zip("RGB", lit(RGB))), "float"))
+        self.write("a4.png", png(RGB + ALPHA, 16))
+        self.write("b4.exr", exr(dict(zip("RGBA", (*lit(RGB), *ALPHA))), "float"))
+        for pair, told in ((("a.png", "b.exr"), ["a.png: sRGB codes; b.exr: linear light"]),
+                           (("b.exr", "a.png"), ["b.exr: linear light; a.png: sRGB codes"]),
+                           (("a4.png", "b4.exr"),
+                            ["a4.png: sRGB codes; b4.exr: linear light multiplied by alpha"]),
+                           (("a.png", "a.png"), []), (("b4.exr", "b4.exr"), [])):
+            for options in ([], ["--metrics"]):
+                with self.subTest(pair, options=options):
+                    lines = self.run_program("compare", *pair, *options).out.splitlines()
+                    self.assertEqual([f"as stored         {meanings}" for meanings in told],
+                                     [line for line in lines if line.startswith("as stored")])
+
 
 if __name__ == "__main__":
     unittest.main()
