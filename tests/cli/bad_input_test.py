@@ -31,6 +31,8 @@ class BadCommandLine(TesseraTest):
         self.refused("render", says=["SCENE"])
         self.refused("render", self.scene, "more", says=["'more'"])
         self.refused("worker", says=["--connect"])
+        for arguments in (["-o"], [self.scene, "-o"], ["-o", "x.tessera"], [self.scene, "x.tessera", "-o"]):
+            self.refused("convert", *arguments, says=["'-o' is no option. Try 'tessera convert --help'"])
 
     def test_names(self):
         self.refused("render", self.scene, "--accel", "bhv", says=["'bhv'", "'bvh'"])
