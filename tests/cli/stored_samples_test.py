@@ -101,11 +101,10 @@ def integer_rows():
     yield Row("tied.tga", targa(held, True), lit(tuple(v / held[-1] for v in held[:-1])), alpha)
     for is_text in False, True:
         yield Row(f"bits{is_text}.pbm", pnm((1,), 1, is_text), (1,))
-        for most in 255, 1023, 4095, 65535:
+        for most in 3, 31, 100, 128, 254, 255, 256, 1023, 4095, 40000, 65534, 65535:
             grey, rgb = (tuple(round(v * most) / most for v in pixel) for pixel in (GREY, RGB))
-            near = 2e-5 if most == 255 else 1e-4  # OpenImageIO rounds down, at times by more
-            yield Row(f"{most}{is_text}.pgm", pnm(grey, most, is_text), lit(grey), near=near)
-            yield Row(f"{most}{is_text}.ppm", pnm(rgb, most, is_text), lit(rgb), near=near)
+            yield Row(f"{most}{is_text}.pgm", pnm(grey, most, is_text), lit(grey), near=1e-6)
+            yield Row(f"{most}{is_text}.ppm", pnm(rgb, most, is_text), lit(rgb), near=1e-6)
 
 
 def float_rows():
