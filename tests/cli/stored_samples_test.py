@@ -237,6 +237,19 @@ class StoredSamples(TesseraTest):
                          f'textures {{ name: "t" image {{ file: "{name}" }} }}\n')
                 self.assertAlmostEqual(wanted, self.pixels(scene)[0][0], delta=1e-6)
 
+    def test_light_without_coverage_is_added_to_what_is_behind_a_cube(self):
+        faces = " ".join(f'{face}: "t"' for face in ("front", "back", "left", "right", "top", "bottom"))
+        for alpha, wanted in (0, 0.25 + 0.5), (0.5, 0.25 + 0.5 * 0.5), (1, 0.25):
+            self.write("light.exr", exr(dict(zip("RGBA", (0.25, 0.25, 0.25, alpha)))))
+            for sky in "solid { r: .5 g: .5 b: .5 }", "rings { sky { r: .5 g: .5 b: .5 } }":
+                for integrator in "whitted", "path":
+                    with self.subTest(alpha=alpha, sky=sky, integrator=integrator):
+                        scene = ("settings { width: 1 height: 1 integrator { kind: \"%s\" } } cameras { }\n"
+                                 "background { %s cube { %s } }\n"
+                                 'textures { name: "t" image { file: "light.exr" } }\n'
+                                 % (integrator, sky, faces))
+                        self.assertAlmostEqual(wanted, self.pixels(scene)[0][0], delta=1e-6)
+
     def test_info_tells_the_channels_that_are_not_used(self):
         self.write("own.exr", exr(dict.fromkeys(["R", "G", "B", "Z", "albedo.R", "albedo.G"], 0.5)))
         self.write("scene.tessera", QUAD % {"i": 0, "file": "own.exr", "encoding": ""})
