@@ -491,6 +491,11 @@ class Names(ServiceTest):
         self.say(AAAA=["fd77::1"])
         self.renders("[fd77::1]")
 
+    def test_a_link_local_address_with_its_zone(self):
+        self.enter("ip addr add fe80::77/64 dev lo nodad")
+        self.endpoint = f"tcp://[fe80::77%lo]:{self.port}"
+        self.renders("[fe80::77%lo]")
+
     def test_a_host_with_both_of_which_one_is_lost(self):
         """What goes to the other one's network is never answered."""
         hole = ("ip link add hole type dummy", "ip link set hole up",
