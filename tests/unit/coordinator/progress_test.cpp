@@ -128,6 +128,39 @@ TEST_F(Progress, WhatIsStoredCountsBeforeTheJobIsBegun) {
   EXPECT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, 62u);
 }
 
+TEST_F(Progress, TilesOfEqualFramesAreDoneTogether) {
+  BlobStore blobs;
+  v1::Envelope message = submission(1001, job(160), blobs);
+  v1::SubmitJob& request = *message.mutable_submit_job();
+  request.set_detached(true);
+  for (int i = 0; i < 3; ++i) *request.add_frames() = v1::JobFrame(request.frames(0));
+  v1::JobFrame& other = *request.add_frames() = v1::JobFrame(request.frames(0));
+  other.mutable_settings()->set_seed(77);
+  submit_with(message, blobs, now);
+  const uint64_t id = heard(v1::Envelope::kJobStatus).back().job_status().job();
+  const auto expect = [&](uint64_t done, uint64_t restored) {
+    EXPECT_EQ(look(id).tiles_total(), 500u);
+    EXPECT_EQ(look(id).tiles_done(), done);
+    EXPECT_EQ(look(id).tiles_restored(), restored);
+    EXPECT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, done);
+  };
+  come_now();
+  trace(40, seconds(1));
+  expect(160, 120);
+  EXPECT_NEAR(look(id).remaining_seconds(), 160, 2) << "of two frames";
+  start_anew();
+  expect(160, 160);
+  come_now();
+  trace(60, seconds(1));
+  for (int i = 0; i < 4; ++i) coordinator.on_tick(now);
+  get_ready_in(session);
+  EXPECT_EQ(look(id).frames_done(), 4u);
+  expect(400, 340);
+  trace(40, seconds(1));
+  expect(440, 340);
+  EXPECT_NEAR(look(id).remaining_seconds(), 60, 2);
+}
+
 TEST_F(Progress, IsNotMisledByTilesOfUnequalCosts) {
   const uint64_t id = submit_disc();
   EXPECT_GT(trace_disc(id, kColumns * kColumns, kColumns * kColumns / 10), 1400);
