@@ -233,15 +233,23 @@ size_t Job::leases() const {
   return count;
 }
 
+size_t Job::working_threads() const {
+  size_t most = 0;  // the frames share their workers
+  for (const Running& running : running_) {
+    most = std::max(most, running.active->scheduler().working_threads());
+  }
+  return most;
+}
+
 bool Job::works(const std::vector<int32_t>& served) const {
-  if (running_.empty()) return false;
+  if (working_threads() == 0) return false;
   if (leases() > 0) return true;
   return !kept_.paused() &&
          std::find(served.begin(), served.end(), request().priority()) != served.end();
 }
 
 void Job::account(Time now, bool works) {
-  meter_.account(now, works, traced(), tiles_per_frame_ * ends_.size());
+  meter_.account(now, works ? working_threads() : 0, traced(), tiles_per_frame_ * ends_.size());
   const double seconds = to_seconds(now - std::exchange(counted_until_, now));
   worker_seconds_ += static_cast<double>(leases()) * seconds;
 }
@@ -285,8 +293,8 @@ JobProgress Job::progress(Time now, bool works) const {
   if (works) {
     const uint64_t not_traced = progress.tiles_done + waiting.coming;
     const uint64_t open = progress.tiles_total - std::min(not_traced, progress.tiles_total);
-    progress.remaining_seconds =
-        meter_.remaining_seconds(traced(), left(open), progress.tiles_total, leases());
+    progress.remaining_seconds = meter_.remaining_seconds(
+        traced(), left(open), progress.tiles_total, leases(), working_threads());
   }
   return progress;
 }

@@ -100,7 +100,7 @@ class Job {
   std::map<uint32_t, ExpectedFilm>& expected_films() { return expected_films_; }
 
   /// Whether it is worked on: workers hold tiles of it, or it takes turns with the jobs of which
-  /// they do, `served` being the priorities of these.
+  /// they do, `served` being the priorities of these. Workers that are suspect do not count.
   bool works(const std::vector<int32_t>& served) const;
   /// Counts what workers hold until now, and the time if it `works`; to be called before that
   /// changes.
@@ -129,6 +129,8 @@ class Job {
   TileWork traced() const;
   /// What will be traced until all of `tiles` are done.
   TileWork left(uint64_t tiles) const;
+  /// Of the workers that may hold tiles of it, suspects apart.
+  size_t working_threads() const;
   /// Takes it out of running_. Its tiles are stored, for the frames that are equal to it too.
   void stop(uint32_t frame);
   /// Tiles of frames that neither have ended nor are being traced.

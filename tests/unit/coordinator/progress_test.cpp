@@ -194,6 +194,45 @@ TEST_F(Progress, TimeIsKeptInFullWhereTheCoordinatorEnds) {
   EXPECT_EQ(look(id).elapsed_seconds(), 3);
 }
 
+TEST_F(Progress, ASilentWorkerDoesNotWork) {
+  const uint64_t id = submit(1, 0, 320, 1, 1, now);
+  come_now();
+  v1::Envelope second = hello(2);
+  second.mutable_hello()->set_credit(1);
+  second.mutable_hello()->set_threads(1);
+  say("w2", second, now);
+  ready("w2", first_frame_of(id), now);
+  /// So many seconds in which each of these workers traces a tile a second.
+  const auto work = [&](int count, const std::vector<PeerId>& peers) {
+    for (int i = 0; i < count; ++i) {
+      now += seconds(1);
+      for (const PeerId& peer : peers) {
+        listen();
+        for (size_t at = all.size(); at-- > 0;) {
+          if (to[at] != peer || !all[at].has_assign()) continue;
+          say(peer, band(all[at].assign(), 1), now);
+          break;
+        }
+      }
+      coordinator.on_tick(now);
+    }
+  };
+  work(100, {"w1", "w2"});
+  EXPECT_EQ(look(id).tiles_done(), 200u);
+  EXPECT_NEAR(look(id).remaining_seconds(), 100, 5);
+  work(3, {"w1"});
+  EXPECT_NEAR(look(id).remaining_seconds(), 197, 30) << "the other one is suspect";
+  work(3, {"w1"});
+  EXPECT_NEAR(look(id).remaining_seconds(), 194, 20) << "the other one is lost";
+  for (int i = 0; i < 30; ++i) coordinator.on_tick(now += milliseconds(100));
+  EXPECT_LT(look(id).remaining_seconds(), 0) << "nobody works";
+  const double elapsed = look(id).elapsed_seconds();
+  now += seconds(1);
+  EXPECT_EQ(look(id).elapsed_seconds(), elapsed);
+  work(1, {"w1"});
+  EXPECT_NEAR(look(id).remaining_seconds(), 193, 40) << "one is back";
+}
+
 TEST_F(Progress, TurnsOfEqualJobsCountForBoth) {
   const uint64_t one = submit(1, 0, 160, 1, 1, now), two = submit(2, 0, 160, 1, 1, now);
   come_now();
