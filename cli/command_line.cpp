@@ -165,8 +165,11 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
     of_command += command->get_name() + " ";
   }
   const std::string help = fmt::format("; try 'tessera {}--help'", of_command);
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    const std::vector<std::string> extras = command->remaining();
+  const std::vector<std::string> extras = command->remaining();
+  // An unknown option comes before an argument that CLI11 misses, perhaps because of it.
+  const bool has_unknown = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr &&
+                           !extras.empty() && extras.front().starts_with("-");
+  if (has_unknown || dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::string extra = extras.empty() ? app.remaining(true).front() : extras.front();
     if (extra == "--" && extras.size() > 1) {
       return usage_error(

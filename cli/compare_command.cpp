@@ -70,6 +70,19 @@ void check_comparable(const CompareOptions& options, const FloatImage& a, const 
   }
 }
 
+/// Where the numbers of the two files stand for different things, what those are.
+void print_meanings(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
+  if (a.meaning == b.meaning) return;
+  const auto meaning = [](const FloatImage& image) {
+    return fmt::format(
+        "{}{}",
+        holds_codes(image.meaning, SampleEncoding::automatic) ? "sRGB codes" : "linear light",
+        image.meaning.is_associated ? " multiplied by alpha" : "");
+  };
+  say("as stored         {}: {}; {}: {}\n", printable(options.first), meaning(a),
+      printable(options.second), meaning(b));
+}
+
 void print_metrics(const FloatImage& a, const FloatImage& b) {
   const Picture first{a.width, a.height, linear_light(a)},
       second{b.width, b.height, linear_light(b)};
@@ -105,6 +118,7 @@ ExitCode compare(const CompareOptions& options) {
   const Difference d = difference_of(a.values, b.values, a.channels.size(),
                                      static_cast<size_t>(a.width), options.max_difference);
   say("size              {}x{}\n", a.width, a.height);
+  print_meanings(options, a, b);
   say("max difference    {:.9g}\n", d.greatest);
   say("mean difference   {:.9g}\n", d.mean);
   say("rmse              {:.9g}\n", d.rmse);
@@ -129,7 +143,9 @@ void add_compare_command(CLI::App& app, Action& action) {
   command->footer(
       "Every channel counts, alpha too, and both pictures must have the same ones. Values are "
       "those\n"
-      "of the files: 8-bit ones count from 0 to 1, EXR ones are linear.\n"
+      "of the files, neither decoded: integers are sRGB codes from 0 to 1, floats linear light. "
+      "Where\n"
+      "the two differ in this, the line 'as stored' says so; --metrics decodes both.\n"
       "Places count pixels from the left and from the top, a part is X0,Y0,X1,Y1 as in --crop.\n"
       "Two renders of a scene are equal in pixels and in bytes. To hold them against each other\n"
       "without files, compare pixels_sha256 of --stats.\n"

@@ -19,8 +19,12 @@ constexpr size_t kLongestPath = 128;
 std::array<std::array<char, kLongestPath>, 4> leftovers;
 std::atomic<size_t> leftover_count{0};
 
-void on_interrupt(int) {
-  if (!interrupt_flag.exchange(true) && flag_is_heeded) return;
+constexpr std::array kInterrupts{SIGINT, SIGTERM, SIGHUP};
+
+void on_interrupt(int signal) {
+  const bool is_first = !interrupt_flag.exchange(true);
+  // Of a terminal that closes both the kernel and the shell may tell.
+  if (flag_is_heeded && (is_first || signal == SIGHUP)) return;
   end_at_once(ExitCode::interrupted);
 }
 
@@ -39,8 +43,12 @@ void end_at_interrupts() {
   struct sigaction action {};
   action.sa_handler = on_interrupt;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : kInterrupts) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    const bool outlives_terminal = signal == SIGHUP && before.sa_handler == SIG_IGN;  // by nohup
+    if (!outlives_terminal) sigaction(signal, &action, nullptr);
+  }
 }
 
 void catch_interrupts() { flag_is_heeded = true; }
@@ -60,8 +68,7 @@ void remove_when_interrupted(const std::string& folder, const std::vector<std::s
 HeldInterrupts::HeldInterrupts() {
   sigset_t held;
   sigemptyset(&held);
-  sigaddset(&held, SIGINT);
-  sigaddset(&held, SIGTERM);
+  for (const int signal : kInterrupts) sigaddset(&held, signal);
   pthread_sigmask(SIG_BLOCK, &held, &before_);
 }
 

@@ -9,11 +9,11 @@
 
 namespace tessera {
 
-/// From here on SIGINT and SIGTERM end the process at once, with exit code 4 and without a
-/// half-written file. To be called first of all.
+/// From here on SIGINT, SIGTERM and, unless it is ignored by now, SIGHUP end the process at once,
+/// with exit code 4 and without a half-written file. To be called first of all.
 void end_at_interrupts();
-/// From here on the first of them only sets the flag, so that work can end cleanly; a second one
-/// ends the process as before. Call once, before threads start.
+/// From here on the first of them only sets the flag, so that work can end cleanly; a later one but
+/// SIGHUP ends the process as before. Call once, before threads start.
 void catch_interrupts();
 
 /// Ends the process as an interrupt would, but with that exit code.

@@ -47,7 +47,7 @@ struct ServeOptions {
 };
 
 /// The keys of --allow, and those that machines enrolled before. Those of later ones are kept in
-/// --enrolled, or in the store's folder, which is locked by now.
+/// --enrolled, or in the store's folder, which must be locked before any is.
 KeyRegistry open_registry(const ServeOptions& options, AllowList listed) {
   std::string file = options.enrolled;
   if (!file.empty()) check_output_file(file, "--enrolled");
@@ -118,17 +118,22 @@ ExitCode serve(const ServeOptions& options) {
   if (!options.http.empty()) page.emplace(page_options(options));
   std::optional<TevViewer> tev;
   if (!options.tev.empty()) tev.emplace(options.tev);
+  const bool has_keys = security.keys.has_value();
+  const AllowList listed = security.allowed;
+  const auto registry = [&] {
+    return has_keys ? open_registry(options, listed) : KeyRegistry(AllowList());
+  };
+  // An address that is taken leaves no store behind. Enrolled machines that come before the store
+  // is open are let in by what is kept of them now.
+  security.allowed = registry().keys();
+  auto server = bind_server(options.endpoint, std::move(security));
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
-  const bool has_keys = security.keys.has_value();
-  KeyRegistry keys =
-      has_keys ? open_registry(options, std::move(security.allowed)) : KeyRegistry(AllowList());
-  security.allowed = keys.keys();
+  KeyRegistry keys = registry();
   catch_hangups();
-  CoordinatorOptions rules = coordinator_options(options);
-  rules.worker_keys = security.allowed.count(Role::worker);
-  RenderLoop loop(bind_server(options.endpoint, std::move(security)), rules, std::move(store));
+  RenderLoop loop(std::move(server), coordinator_options(options), std::move(store));
   loop.enrol_into(&keys);
+  loop.set_allowed(keys.keys());
   say("serving at {}\n", loop.endpoint());
   if (page) say("page at {}\n", page->url());
   loop.observe(

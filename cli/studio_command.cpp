@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/descriptors.h"
+#include "base/file.h"
 #include "base/json_log.h"
 #include "base/log.h"
 #include "base/process.h"
@@ -65,8 +66,7 @@ void set_paths(StudioCommand& command) {
     command.studio.folder = path.has_parent_path() ? path.parent_path() : ".";
     command.studio.file = path.filename().string();
   } else {
-    throw usage_error(
-        fmt::format("'{}' is neither a file nor a folder that is there", command.path));
+    check_input_file(command.path, UINT64_MAX);  // throws, and tells why
   }
 }
 

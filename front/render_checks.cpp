@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/process.h"
 #include "renderer/image/image_file.h"
+#include "scenes/formats/read_scene.h"
 
 namespace tessera {
 namespace {
@@ -67,6 +68,7 @@ void check_render_options(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
+  check_scene_format(options.scene, options.reading.format);
   const auto paths = picture_paths(options);
   if (!options.aovs.empty() && std::none_of(paths.begin(), paths.end(), holds_aovs)) {
     throw usage_error(fmt::format(
@@ -97,7 +99,6 @@ void check_outputs(const RenderOptions& options) {
   const OutputSettings output = output_settings(options.scene, {}, options.output);
   for (const auto& path : paths) check_bits(path, output);
   if (output.color_management) check_color_management(*output.color_management);
-  check_input_file(options.scene, UINT64_MAX);
 }
 
 }  // namespace tessera

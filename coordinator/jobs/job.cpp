@@ -100,7 +100,40 @@ void Job::stop(uint32_t frame) {
   const auto it = std::find_if(running_.begin(), running_.end(), is_it);
   if (it == running_.end()) return;
   traced_before_ += it->active->traced();
+  const uint64_t tiles = it->active->assembler().tiles_done();
   running_.erase(it);
+  for (const uint32_t equal : waiting_equals(frame)) {
+    if (stored(equal) < tiles) set_stored(equal, tiles);
+  }
+}
+
+std::vector<uint32_t> Job::waiting_equals(uint32_t frame) const {
+  std::vector<uint32_t> result;
+  const auto& keys = kept_.tile_keys();
+  const auto count = static_cast<uint32_t>(keys.size());
+  for (uint32_t other = next_frame_; frame < count && other < std::min(count, frame_count());
+       ++other) {
+    const auto is_it = [other](const Running& running) { return running.frame == other; };
+    const bool is_equal = keys[static_cast<int>(other)] == keys[static_cast<int>(frame)];
+    if (is_equal && !ends_[other] && std::none_of(running_.begin(), running_.end(), is_it)) {
+      result.push_back(other);
+    }
+  }
+  return result;
+}
+
+Job::WaitingTiles Job::waiting_tiles() const {
+  WaitingTiles waiting;
+  for (const auto& [frame, tiles] : stored_) waiting.done += tiles;
+  for (const Running& running : running_) {
+    const uint64_t tiles = running.active->assembler().tiles_done();
+    for (const uint32_t equal : waiting_equals(running.frame)) {
+      const uint64_t done = std::max(tiles, stored(equal));
+      waiting.done += done - stored(equal);
+      waiting.coming += tiles_per_frame_ - std::min(done, tiles_per_frame_);
+    }
+  }
+  return waiting;
 }
 
 void Job::end(uint32_t frame, v1::JobEnd end) {
@@ -153,12 +186,11 @@ void Job::release() {
 void Job::put_aside(uint32_t frame) {
   for (Running& running : running_) {
     if (running.frame != frame) continue;
-    set_stored(frame, running.active->assembler().tiles_done());
     scene_failures_[frame] = running.active->scene_failures();
     last_costs_ = running.active->scheduler().costs();
   }
-  stop(frame);
   next_frame_ = std::min(next_frame_, frame);
+  stop(frame);
 }
 
 Time Job::next_pause(uint32_t frame) {
@@ -201,15 +233,23 @@ size_t Job::leases() const {
   return count;
 }
 
+size_t Job::working_threads() const {
+  size_t most = 0;  // the frames share their workers
+  for (const Running& running : running_) {
+    most = std::max(most, running.active->scheduler().working_threads());
+  }
+  return most;
+}
+
 bool Job::works(const std::vector<int32_t>& served) const {
-  if (running_.empty()) return false;
+  if (working_threads() == 0) return false;
   if (leases() > 0) return true;
   return !kept_.paused() &&
          std::find(served.begin(), served.end(), request().priority()) != served.end();
 }
 
 void Job::account(Time now, bool works) {
-  meter_.account(now, works, traced(), tiles_per_frame_ * ends_.size());
+  meter_.account(now, works ? working_threads() : 0, traced(), tiles_per_frame_ * ends_.size());
   const double seconds = to_seconds(now - std::exchange(counted_until_, now));
   worker_seconds_ += static_cast<double>(leases()) * seconds;
 }
@@ -232,7 +272,7 @@ uint64_t Job::tiles_restored() const {
   for (const auto& end : ends_) {
     if (end) count += total(*end, "tiles_restored");
   }
-  for (const auto& [frame, tiles] : stored_) count += tiles;
+  count += waiting_tiles().done;
   for (const Running& running : running_) count += running.active->report().tiles_restored;
   return count;
 }
@@ -242,7 +282,8 @@ JobProgress Job::progress(Time now, bool works) const {
   for (const auto& end : ends_) {
     if (end) progress.tiles_done += total(*end, "tiles_done");
   }
-  for (const auto& [frame, tiles] : stored_) progress.tiles_done += tiles;
+  const WaitingTiles waiting = waiting_tiles();
+  progress.tiles_done += waiting.done;
   for (const Running& running : running_) {
     progress.tiles_done += running.active->assembler().tiles_done();
   }
@@ -250,10 +291,10 @@ JobProgress Job::progress(Time now, bool works) const {
   progress.elapsed_seconds = meter_.seconds(now, works);
   progress.remaining_seconds = -1;
   if (works) {
-    const uint64_t open =
-        progress.tiles_total - std::min(progress.tiles_done, progress.tiles_total);
-    progress.remaining_seconds =
-        meter_.remaining_seconds(traced(), left(open), progress.tiles_total, leases());
+    const uint64_t not_traced = progress.tiles_done + waiting.coming;
+    const uint64_t open = progress.tiles_total - std::min(not_traced, progress.tiles_total);
+    progress.remaining_seconds = meter_.remaining_seconds(
+        traced(), left(open), progress.tiles_total, leases(), working_threads());
   }
   return progress;
 }

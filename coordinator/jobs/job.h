@@ -58,6 +58,9 @@ class Job {
   bool begun() const { return begun_; }
   /// So many tiles of a frame that is not being traced are in the store.
   void set_stored(uint32_t frame, uint64_t tiles);
+  /// The frames that neither have ended nor are being traced and whose tiles are those of `frame`,
+  /// in time linear in the number of frames.
+  std::vector<uint32_t> waiting_equals(uint32_t frame) const;
   uint64_t stored(uint32_t frame) const;
   void end(uint32_t frame, v1::JobEnd end);
   /// It has not ended after all, and is to be begun again, with so many tiles that are stored.
@@ -97,7 +100,7 @@ class Job {
   std::map<uint32_t, ExpectedFilm>& expected_films() { return expected_films_; }
 
   /// Whether it is worked on: workers hold tiles of it, or it takes turns with the jobs of which
-  /// they do, `served` being the priorities of these.
+  /// they do, `served` being the priorities of these. Workers that are suspect do not count.
   bool works(const std::vector<int32_t>& served) const;
   /// Counts what workers hold until now, and the time if it `works`; to be called before that
   /// changes.
@@ -126,8 +129,16 @@ class Job {
   TileWork traced() const;
   /// What will be traced until all of `tiles` are done.
   TileWork left(uint64_t tiles) const;
-  /// Takes it out of running_.
+  /// Of the workers that may hold tiles of it, suspects apart.
+  size_t working_threads() const;
+  /// Takes it out of running_. Its tiles are stored, for the frames that are equal to it too.
   void stop(uint32_t frame);
+  /// Tiles of frames that neither have ended nor are being traced.
+  struct WaitingTiles {
+    uint64_t done = 0;    ///< stored, or done in an equal frame that is being traced
+    uint64_t coming = 0;  ///< that will be done there
+  };
+  WaitingTiles waiting_tiles() const;
 
   v1::KeptJob kept_;
   std::optional<JobSpec> local_;

@@ -325,6 +325,7 @@ std::unique_ptr<ActiveFrame> JobTable::make_active(Job& job, uint32_t frame, Tim
   const auto expected = job.expected_films().find(frame);
   if (expected != job.expected_films().end() && expected->second.drop_tiles) {
     store_->drop_all(Digest::from_hex(job.kept().tile_keys(static_cast<int>(frame))));
+    for (const uint32_t equal : job.waiting_equals(frame)) job.set_stored(equal, 0);
     expected->second.drop_tiles = false;
     expected->second.dropped = true;
   }

@@ -14,17 +14,20 @@ constexpr uint64_t kEnough = 32;
 
 }  // namespace
 
-void WorkMeter::account(Time now, bool works, TileWork traced, uint64_t total) {
+void WorkMeter::account(Time now, size_t threads, TileWork traced, uint64_t total) {
   // Where tiles were taken back, the time spent on them belongs to the tiles before.
   while (marks_.size() > 1 && marks_.back().traced.tiles > traced.tiles) marks_.pop_back();
   const uint64_t step = std::max<uint64_t>(1, total / kSteps);
-  if (traced.tiles >= marks_.back().traced.tiles + step) marks_.push_back({worked_, traced});
+  if (traced.tiles >= marks_.back().traced.tiles + step)
+    marks_.push_back({thread_seconds_, traced});
   while (marks_.size() > 2 && marks_[1].traced.tiles + total / kReach < traced.tiles) {
     marks_.pop_front();
   }
   if (now <= counted_until_) return;
   const Time since = now - std::exchange(counted_until_, now);
-  if (works) worked_ += since;
+  if (threads == 0) return;
+  worked_ += since;
+  thread_seconds_ += to_seconds(since) * static_cast<double>(threads);
 }
 
 double WorkMeter::seconds(Time now, bool works) const {
@@ -33,21 +36,23 @@ double WorkMeter::seconds(Time now, bool works) const {
 }
 
 WorkMeter::Mark WorkMeter::latest(TileWork traced) const {
-  return traced.tiles > marks_.back().traced.tiles ? Mark{worked_, traced} : marks_.back();
+  return traced.tiles > marks_.back().traced.tiles ? Mark{thread_seconds_, traced} : marks_.back();
 }
 
 double WorkMeter::remaining_seconds(TileWork traced, TileWork left, uint64_t total,
-                                    uint64_t in_flight) const {
+                                    uint64_t in_flight, size_t threads) const {
+  if (threads == 0) return -1;
   const Mark end = latest(traced);
   if (end.traced.tiles < kEnough && 3 * end.traced.tiles < left.tiles) return -1;
   const uint64_t window = std::max({uint64_t{1}, total / kWindows, 2 * in_flight});
   auto start = marks_.end();
   do {
     --start;
-  } while (start != marks_.begin() &&
-           (start->traced.tiles + window > end.traced.tiles || start->worked == end.worked));
-  if (end.traced.tiles <= start->traced.tiles || end.worked == start->worked) return -1;
-  const double worked = to_seconds(end.worked - start->worked);
+  } while (start != marks_.begin() && (start->traced.tiles + window > end.traced.tiles ||
+                                       start->thread_seconds == end.thread_seconds));
+  if (end.traced.tiles <= start->traced.tiles || end.thread_seconds == start->thread_seconds)
+    return -1;
+  const double worked = (end.thread_seconds - start->thread_seconds) / static_cast<double>(threads);
   const double seconds = end.traced.seconds - start->traced.seconds;
   // Where nobody knows what tiles take, all take the same.
   if (!(seconds > 0) || !(left.seconds > 0)) {

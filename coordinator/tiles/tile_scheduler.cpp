@@ -74,6 +74,12 @@ void TileScheduler::set_suspect(WorkerId worker, bool suspect) {
   }
 }
 
+size_t TileScheduler::working_threads() const {
+  size_t count = threads_;
+  for (const WorkerId suspect : suspects_) count -= holders_.at(suspect).threads;
+  return count;
+}
+
 size_t TileScheduler::held_by(WorkerId worker) const {
   const auto it = holders_.find(worker);
   return it == holders_.end() ? 0 : it->second.leases.size();

@@ -183,6 +183,8 @@ class TileScheduler {
   TileView view(uint32_t tile) const;
   /// Leases now, and how long completed ones took, in the mean.
   size_t live_count() const { return live_.size(); }
+  /// Threads of the workers that may hold tiles, suspects apart.
+  size_t working_threads() const;
   std::optional<double> mean_seconds() const;
   uint64_t retries() const { return retries_; }
   uint64_t speculative() const { return speculative_; }

@@ -1,8 +1,12 @@
 #include "proto/transport/endpoint.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <net/if.h>
 
+#include <array>
 #include <charconv>
+#include <cstdint>
 
 #include "base/error.h"
 #include "proto/transport/socket_address.h"
@@ -18,6 +22,14 @@ constexpr size_t kMaxPath = 102;
       fmt::format("endpoint '{}'{}; expected ipc://PATH or tcp://HOST:PORT", text, why));
 }
 
+bool is_interface_index(const std::string& zone) {
+  uint32_t index = 0;
+  const auto [end, error] = std::from_chars(zone.data(), zone.data() + zone.size(), index);
+  std::array<char, IF_NAMESIZE> name{};
+  return error == std::errc() && end == zone.data() + zone.size() &&
+         if_indextoname(index, name.data()) != nullptr;
+}
+
 }  // namespace
 
 std::string Endpoint::str() const {
@@ -29,6 +41,33 @@ bool Endpoint::loopback() const {
   if (!tcp || host == "localhost") return true;
   const auto address = socket_address(host, port);
   return address && address->is_loopback();
+}
+
+void check_zone(const Endpoint& endpoint) {
+  const std::string text = endpoint.str();
+  const std::string& host = endpoint.host;
+  const bool has_brackets = host.starts_with("[") && host.ends_with("]");
+  const std::string address = has_brackets ? host.substr(1, host.size() - 2) : host;
+  const size_t percent = address.find('%');
+  in6_addr digits{};
+  if (inet_pton(AF_INET6, address.substr(0, percent).c_str(), &digits) != 1) return;
+  const bool is_local = IN6_IS_ADDR_LINKLOCAL(&digits);
+  if (percent == std::string::npos) {
+    if (!is_local) return;
+    throw usage_error(fmt::format(
+        "endpoint '{}' has a link-local address; expected its network interface after it, such as "
+        "[{}%eth0]",
+        text, address));
+  }
+  const std::string zone = address.substr(percent + 1);
+  if (!is_local) {
+    throw usage_error(fmt::format(
+        "endpoint '{}' has the zone '{}'; expected none but for a link-local address (fe80::)",
+        text, zone));
+  }
+  if (if_nametoindex(zone.c_str()) != 0 || is_interface_index(zone)) return;
+  throw usage_error(fmt::format(
+      "endpoint '{}' has the zone '{}'; expected a network interface of this machine", text, zone));
 }
 
 Endpoint parse_endpoint(const std::string& text) {

@@ -266,6 +266,7 @@ std::unique_ptr<ClientTransport> connect_client(const std::string& endpoint,
   if (parsed.tcp && parsed.port == 0) {
     throw usage_error(fmt::format("endpoint '{}' has no port; expected tcp://HOST:PORT", endpoint));
   }
+  check_zone(parsed);
   check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqClient>(parsed, keys, std::move(resolve));
 }

@@ -292,6 +292,7 @@ std::unique_ptr<ZmqServer> bind_one(const std::string& endpoint, ServerSecurity 
         "port from 1 to 65534",
         endpoint));
   }
+  check_zone(parsed);
   if (parsed.tcp) parsed.host = bound_host(parsed);
   check_room_for_descriptors(kTransportDescriptors);
   return std::make_unique<ZmqServer>(parsed, std::move(security));

@@ -49,6 +49,8 @@ void luminance_chroma_to_rgb(std::span<float> pixels, uint32_t channels);
 struct SampleMeaning {
   bool from_integers = false;  ///< integers divided by their largest value; else floats
   bool is_associated = false;  ///< colours are multiplied by alpha
+
+  bool operator==(const SampleMeaning&) const = default;
 };
 
 /// Which transfer curve the numbers of colours went through.

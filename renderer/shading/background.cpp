@@ -61,7 +61,10 @@ Color rings_radiance(const Background& background, const Vec3& d) {
   };
   const Texel texel = picture->lookup(inside(right, picture->settings().width),
                                       inside(down, picture->settings().height));
-  return mix(behind, without_negative(texel.color), texel.alpha);
+  const Color color = without_negative(texel.color);
+  // Colours multiplied by alpha may be light that covers nothing.
+  if (texel.alpha == 0 && picture->settings().is_associated) return behind + color;
+  return mix(behind, color, texel.alpha);
 }
 
 /// The share of light from every direction that a light is in: the sum over lights.

@@ -44,6 +44,12 @@ constexpr std::array<std::string_view, 20> kOthers{
     "fbx", "dae", "blend", "3ds", "usd", "usda", "usdc", "usdz", "abc", "pbrt",
     "mtl", "xml", "pov",   "rib", "3mf", "off",  "lwo",  "c4d",  "ma",  "mb"};
 
+/// Files that are what a scene is rendered to, and given for it by mistake.
+constexpr std::array<std::string_view, 26> kPictures{
+    "png", "apng", "jpg",  "jpeg", "exr",  "hdr",  "tif", "tiff", "tga",
+    "bmp", "gif",  "webp", "ppm",  "pgm",  "pbm",  "pnm", "pfm",  "sgi",
+    "rgb", "ico",  "psd",  "dds",  "heic", "avif", "jp2", "j2k"};
+
 std::string readable() { return fmt::format("one of .{}", fmt::join(kFormats, ", .")); }
 
 std::string head_of(const std::string& path) {
@@ -84,6 +90,8 @@ std::string format_of(const std::string& path, const std::string& asked) {
   if (std::find(kFormats.begin(), kFormats.end(), ending) != kFormats.end()) return ending;
   if (std::find(kX3dToo.begin(), kX3dToo.end(), ending) != kX3dToo.end()) return "x3d";
   check_input_file(path, UINT64_MAX);
+  if (std::find(kPictures.begin(), kPictures.end(), ending) != kPictures.end())
+    throw scene_error({path}, "a picture, which is no scene", readable());
   if (std::find(kOthers.begin(), kOthers.end(), ending) != kOthers.end())
     throw scene_error({path}, fmt::format("files of type .{} are not read", ending), readable());
   const std::string found = format_by_content(path);
@@ -256,6 +264,10 @@ void add_others(const std::string& path, const ReadOptions& options, FileReader&
 }
 
 }  // namespace
+
+void check_scene_format(const std::string& path, const std::string& format) {
+  format_of(path, format);
+}
 
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {
   if (made.scene.includes().empty() && options.placements.empty()) return;

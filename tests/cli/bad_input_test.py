@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
+import base64
+import json
 import re
 import resource
 import shutil
 import socket
+import struct
 import unittest
 
 import scenes
@@ -28,6 +31,8 @@ class BadCommandLine(TesseraTest):
         self.refused("render", says=["SCENE"])
         self.refused("render", self.scene, "more", says=["'more'"])
         self.refused("worker", says=["--connect"])
+        for arguments in (["-o"], [self.scene, "-o"], ["-o", "x.tessera"], [self.scene, "x.tessera", "-o"]):
+            self.refused("convert", *arguments, says=["'-o' is no option. Try 'tessera convert --help'"])
 
     def test_names(self):
         self.refused("render", self.scene, "--accel", "bhv", says=["'bhv'", "'bvh'"])
@@ -318,6 +323,72 @@ class BadScenes(TesseraTest):
     def test_unreadable(self):
         self.write("secret.obj", "v 0 0 0\n").chmod(0)
         self.refused("secret.obj", None, "Permission denied", preexec_fn=heed_permissions)
+
+
+PLY = """ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face %d
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+"""
+CRT = """eye = Camera { position -> vec3(0, 1, -5)  pointing -> vec3(0, 0, 0)  fov -> 50 }
+Settings { camera -> eye }
+Scene { }
+"""
+
+
+class NothingToSee(TesseraTest):
+    """A scene without surfaces is its background, with a warning, in every format."""
+
+    def test_whole_files_without_surfaces(self):
+        points = {"primitives": [{"mode": 0, "attributes": {"POSITION": 0}}]}
+        accessor = {"componentType": 5126, "count": 1, "type": "VEC3", "min": [0] * 3, "max": [0] * 3}
+        gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}]}
+        for name, content in [
+                ("points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n"), ("comment.obj", "# of nothing\n"),
+                ("name.obj", "mtllib none.mtl\no rock\n"),
+                ("points.ply", PLY % 0), ("lines.ply", PLY % 1 + "2 0 1\n"),
+                ("header.ply", "ply\nformat ascii 1.0\nend_header\n"),
+                ("text.stl", "solid a\nendsolid a\n"), ("binary.stl", bytes(84)),
+                ("bare.gltf", json.dumps({"asset": {"version": "2.0"}})),
+                ("points.gltf", json.dumps({**gltf, "nodes": [{"mesh": 0}], "meshes": [points],
+                                            "accessors": [accessor]})),
+                ("bare.x3d", "<X3D><Scene/></X3D>"), ("bare.x3dv", "#X3D V3.3 utf8\nPROFILE Full\n"),
+                ("bare.wrl", "#VRML V2.0 utf8\n"), ("bare.tessera", "cameras { }\n"),
+                ("bare.json", "{}"), ("bare.crt", CRT)]:
+            with self.subTest(name):
+                self.write(name, content)
+                result = self.run_program("render", name, "--size", "4x4", "--workers", "0", "-o", "a.pfm")
+                self.assertEqual(0, result.code, result.err)
+                self.assertIn("only the background is seen; expected nodes with shapes\n", result.err)
+
+    def test_damage_that_leaves_no_surface_is_an_error(self):
+        corners = [0, 0, 0, 1, 0, 0, 0, 1, 0]
+        data = base64.b64encode(struct.pack("<9f3H", *corners, 0, 1, 9)).decode()
+        gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                "buffers": [{"byteLength": 42, "uri": "data:application/octet-stream;base64," + data}],
+                "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 6}],
+                "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                               "min": [0, 0, 0], "max": [1, 1, 0]},
+                              {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"}]}
+        for name, content, place in [
+                ("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "a.obj:3:7: "), ("text.obj", "hello\n", "text.obj:1:1: "),
+                ("a.ply", PLY % 1 + "3 0 1 9\n", "a.ply:13:7: "),
+                ("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\nvertex 1 0 0\nvertex 0 1 0\n"
+                 "endloop\nendfacet\nendsolid a\n", "a.stl:4:12: "),
+                ("a.gltf", json.dumps(gltf), "index 9 of 3 vertices")]:
+            with self.subTest(name):
+                self.write(name, content)
+                result = self.run_program("render", name, "--size", "4x4", "--workers", "0", "-o", "a.pfm")
+                self.assert_error(result, 1, place)
 
 
 class LittleMemory(TesseraTest):

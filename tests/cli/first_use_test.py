@@ -59,10 +59,19 @@ class Help(TesseraTest):
 class Names(TesseraTest):
     def test_the_file_beside_it(self):
         self.write("temple.x3d", "")
-        for command in ("render", "info"):
+        for command in ("render", "info", "studio"):
             self.assert_error(self.run_program(command, "temple.x3"), 1,
                               "temple.x3: no such file; did you mean 'temple.x3d'?")
         self.assertNotIn("did you mean", self.run_program("info", "nothing-like-it.obj").err)
+
+
+    def test_a_picture_for_a_scene(self):
+        self.write("pawn.png", b"\x89PNG\r\n\x1a\n")
+        for command in (["render"], ["render", "-o", "other.exr"], ["info"], ["convert"]):
+            out = ["pawn.tessera"] if command == ["convert"] else []
+            self.assert_error(self.run_program(*command, "pawn.png", *out), 1,
+                              "pawn.png: a picture, which is no scene; expected one of .tessera")
+        self.assertEqual(["pawn.png", "tmp"], sorted(p.name for p in self.folder.iterdir()))
 
 
 class Places(TesseraTest):

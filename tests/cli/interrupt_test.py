@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ctrl-C and SIGTERM: once stops cleanly, twice at once; nothing is left behind."""
+"""Ctrl-C, SIGTERM and SIGHUP: once stops cleanly, twice at once; nothing is left behind."""
 import os
 import signal
 import time
@@ -37,7 +37,7 @@ class Interrupt(TesseraTest):
         return err
 
     def test_once(self):
-        for sent in [signal.SIGINT, signal.SIGTERM]:
+        for sent in [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]:
             for workers in [0, 3]:
                 with self.subTest(signal=sent.name, workers=workers):
                     process = self.start_long_render(workers)
@@ -53,6 +53,21 @@ class Interrupt(TesseraTest):
         time.sleep(0.3)
         os.killpg(process.pid, signal.SIGINT)
         self.assertIn("interrupted", self.assert_interrupted(process))
+
+    def test_a_terminal_that_closes_may_tell_twice(self):
+        process = self.start_long_render(1)
+        process.send_signal(signal.SIGHUP)
+        process.send_signal(signal.SIGHUP)
+        self.assertIn("interrupted; no picture was written", self.assert_interrupted(process))
+
+    def test_what_outlives_its_terminal(self):
+        """As nohup starts it."""
+        process = self.start("render", self.scene, "-o", "picture.png", "--workers", 1, "--size", "64x64",
+                             preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        wait_until(lambda: catches(process, signal.SIGTERM), "signals are caught")
+        process.send_signal(signal.SIGHUP)
+        process.communicate(timeout=PATIENCE)
+        self.assertEqual(0, process.returncode)
 
     def test_twice(self):
         process = self.start_long_render(3)

@@ -303,6 +303,24 @@ class OneLine(BadNetwork):
         self.relay.refuse = set()
         self.finish(service, [worker], job)
 
+    def test_an_interrupted_upload_leaves_no_job(self):
+        service = self.serve()
+        self.relay.rate = 50_000
+        for command in (["submit", self.scene], ["render", self.scene, "-o", "far.pfm"]):
+            for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                with self.subTest(command=command[0], signal=sent.name):
+                    before = self.relay.forwarded
+                    process = self.far(*command)
+                    wait_until(lambda: self.relay.forwarded > before + 20_000, "the scene is on its way")
+                    process.send_signal(sent)
+                    _, err = process.communicate(timeout=PATIENCE)
+                    self.assertEqual(4, process.returncode, err)
+                    self.assertIn("interrupted", err)
+                    self.assertEqual([], [job for job in json.loads(self.ask("status", "--json"))["jobs"]
+                                          if job["state"] != "cancelled"])
+        self.assertFalse((self.folder / "far.pfm").exists())
+        self.stop(service)
+
     def test_bulk_that_goes_silent_while_the_scene_comes(self):
         """Its connection stays, and brings nothing more: nobody tells the worker that."""
         service, worker = self.serve(), self.far_worker()
@@ -472,6 +490,11 @@ class Names(ServiceTest):
                    server="::1")
         self.say(AAAA=["fd77::1"])
         self.renders("[fd77::1]")
+
+    def test_a_link_local_address_with_its_zone(self):
+        self.enter("ip addr add fe80::77/64 dev lo nodad")
+        self.endpoint = f"tcp://[fe80::77%lo]:{self.port}"
+        self.renders("[fe80::77%lo]")
 
     def test_a_host_with_both_of_which_one_is_lost(self):
         """What goes to the other one's network is never answered."""

@@ -131,6 +131,13 @@ class Kills(ServiceTest):
         self.assertEqual("0 workers", self.ask("status").splitlines()[-1])
         self.stop(service)
 
+    def test_an_address_that_is_taken_leaves_no_store(self):
+        service = self.serve()
+        second = self.run_program("serve", "--bind", self.endpoint, "--store", self.folder / "other" / "farm")
+        self.assert_error(second, 75, self.endpoint, "Address already in use")
+        self.assertFalse((self.folder / "other").exists())
+        self.stop(service)
+
 
 class Told(ServiceTest):
     """What users and logs are told of jobs."""

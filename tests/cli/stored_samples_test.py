@@ -101,11 +101,10 @@ def integer_rows():
     yield Row("tied.tga", targa(held, True), lit(tuple(v / held[-1] for v in held[:-1])), alpha)
     for is_text in False, True:
         yield Row(f"bits{is_text}.pbm", pnm((1,), 1, is_text), (1,))
-        for most in 255, 1023, 4095, 65535:
+        for most in 3, 31, 100, 128, 254, 255, 256, 1023, 4095, 40000, 65534, 65535:
             grey, rgb = (tuple(round(v * most) / most for v in pixel) for pixel in (GREY, RGB))
-            near = 2e-5 if most == 255 else 1e-4  # OpenImageIO rounds down, at times by more
-            yield Row(f"{most}{is_text}.pgm", pnm(grey, most, is_text), lit(grey), near=near)
-            yield Row(f"{most}{is_text}.ppm", pnm(rgb, most, is_text), lit(rgb), near=near)
+            yield Row(f"{most}{is_text}.pgm", pnm(grey, most, is_text), lit(grey), near=1e-6)
+            yield Row(f"{most}{is_text}.ppm", pnm(rgb, most, is_text), lit(rgb), near=1e-6)
 
 
 def float_rows():
@@ -238,6 +237,19 @@ class StoredSamples(TesseraTest):
                          f'textures {{ name: "t" image {{ file: "{name}" }} }}\n')
                 self.assertAlmostEqual(wanted, self.pixels(scene)[0][0], delta=1e-6)
 
+    def test_light_without_coverage_is_added_to_what_is_behind_a_cube(self):
+        faces = " ".join(f'{face}: "t"' for face in ("front", "back", "left", "right", "top", "bottom"))
+        for alpha, wanted in (0, 0.25 + 0.5), (0.5, 0.25 + 0.5 * 0.5), (1, 0.25):
+            self.write("light.exr", exr(dict(zip("RGBA", (0.25, 0.25, 0.25, alpha)))))
+            for sky in "solid { r: .5 g: .5 b: .5 }", "rings { sky { r: .5 g: .5 b: .5 } }":
+                for integrator in "whitted", "path":
+                    with self.subTest(alpha=alpha, sky=sky, integrator=integrator):
+                        scene = ("settings { width: 1 height: 1 integrator { kind: \"%s\" } } cameras { }\n"
+                                 "background { %s cube { %s } }\n"
+                                 'textures { name: "t" image { file: "light.exr" } }\n'
+                                 % (integrator, sky, faces))
+                        self.assertAlmostEqual(wanted, self.pixels(scene)[0][0], delta=1e-6)
+
     def test_info_tells_the_channels_that_are_not_used(self):
         self.write("own.exr", exr(dict.fromkeys(["R", "G", "B", "Z", "albedo.R", "albedo.G"], 0.5)))
         self.write("scene.tessera", QUAD % {"i": 0, "file": "own.exr", "encoding": ""})
@@ -260,6 +272,22 @@ class StoredSamples(TesseraTest):
         result = self.run_program("compare", "a.png", "b.exr", "--metrics")
         rmse = next(line for line in result.out.splitlines() if line.startswith("linear rmse")).split()[2]
         self.assertLess(float(rmse), 1e-6)
+
+    def test_compare_says_where_codes_meet_light(self):
+        self.write("a.png", png(RGB, 16))
+        self.write("b.exr", exr(dict(zip("RGB", lit(RGB))), "float"))
+        self.write("a4.png", png(RGB + ALPHA, 16))
+        self.write("b4.exr", exr(dict(zip("RGBA", (*lit(RGB), *ALPHA))), "float"))
+        for pair, told in ((("a.png", "b.exr"), ["a.png: sRGB codes; b.exr: linear light"]),
+                           (("b.exr", "a.png"), ["b.exr: linear light; a.png: sRGB codes"]),
+                           (("a4.png", "b4.exr"),
+                            ["a4.png: sRGB codes; b4.exr: linear light multiplied by alpha"]),
+                           (("a.png", "a.png"), []), (("b4.exr", "b4.exr"), [])):
+            for options in ([], ["--metrics"]):
+                with self.subTest(pair, options=options):
+                    lines = self.run_program("compare", *pair, *options).out.splitlines()
+                    self.assertEqual([f"as stored         {meanings}" for meanings in told],
+                                     [line for line in lines if line.startswith("as stored")])
 
 
 if __name__ == "__main__":

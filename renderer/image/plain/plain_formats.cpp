@@ -4,12 +4,15 @@
 
 #include "renderer/image/plain/jpeg_format.h"
 #include "renderer/image/plain/png_format.h"
+#include "renderer/image/plain/pnm_format.h"
 
 namespace tessera {
 namespace {
 
 std::optional<ImageAnswer> decode(const ImageRequest& request, std::span<const char> file) {
   const std::string_view format = request.format;
+  if (format == "pnm") return decode_pnm(file, request.call == ImageRequest::decode_all);
+  if (request.call == ImageRequest::decode_all) return std::nullopt;
   if (format == "jpeg") return decode_jpeg(file, request.to_srgb != 0);
   if (format == "png") return decode_png(file, request.to_srgb != 0);
   return std::nullopt;
@@ -40,6 +43,7 @@ std::optional<ImageAnswer> answer_plainly(const ImageRequest& request,
     case ImageRequest::encode:
       return encode_png(request, bytes);
     case ImageRequest::decode:
+    case ImageRequest::decode_all:
       return decode(request, bytes);
     default:
       return std::nullopt;

@@ -15,9 +15,10 @@ namespace tessera {
 std::vector<std::pair<std::string, std::string>> image_texts(const ImageAttributes& attributes);
 
 /// Answers the most common requests with libpng and libjpeg alone, which load at once: writing PNG,
-/// and reading JPEG and PNG of 8 bits. `bytes` are the pixels to encode or the file to decode.
-/// Pixels are those that OpenImageIO would give. Returns nullopt where that takes more, or where
-/// something is wrong with the file, which OpenImageIO then tells.
+/// and reading JPEG and PNG of 8 bits; and reads PNM. `bytes` are the pixels to encode or the file
+/// to decode. Pixels are those that OpenImageIO would give, but for PNM (decode_pnm()). Returns
+/// nullopt where that takes more, or where something is wrong with the file, which OpenImageIO then
+/// tells.
 std::optional<ImageAnswer> answer_plainly(const ImageRequest& request, std::span<const char> bytes);
 
 }  // namespace tessera

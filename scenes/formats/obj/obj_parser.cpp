@@ -32,21 +32,13 @@ bool is_text(std::string_view word) {
 }  // namespace
 
 ObjFile ObjParser::parse() {
-  SourcePlace first{in_.name()};
-  std::string begins_with;
   while (in_.next_line()) {
     const std::string_view keyword = in_.word();
     if (keyword.empty() || keyword.front() == '#') continue;
-    if (begins_with.empty()) {
-      first = in_.place();
-      begins_with = fmt::format(", which begins with {}", in_.quoted_word());
-    }
     statement(keyword);
   }
   if (problem_ && file_.mesh.triangle_count() == 0) throw *problem_;
-  if (file_.mesh.positions.empty())
-    throw scene_error(first, fmt::format("no vertex (v) in the whole file{}", begins_with),
-                      "the text of an OBJ file");
+  if (unknown_statement_ && file_.mesh.positions.empty()) throw *unknown_statement_;
   return std::move(file_);
 }
 
@@ -96,7 +88,12 @@ void ObjParser::skip(std::string_view keyword) {
   } else if (!is_text(keyword)) {
     leave_out("binary data", "the text of an OBJ file", "the line is left out");
   } else {
-    warnings_.add(fmt::format("unknown statement {} is left out", in_.quoted_word()));
+    const std::string word = in_.quoted_word();
+    warnings_.add(fmt::format("unknown statement {} is left out", word));
+    if (!unknown_statement_) {
+      unknown_statement_ = in_.error(fmt::format("no vertex (v) in the whole file, but {}", word),
+                                     "the text of an OBJ file");
+    }
   }
 }
 

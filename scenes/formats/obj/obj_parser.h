@@ -25,7 +25,8 @@ struct ObjFile {
 };
 
 /// What cannot be read is left out with a warning. Throws scene_error with the place of the first
-/// such part where no triangle is left, and of a file beyond our bounds.
+/// such part where no triangle is left, of a file without vertices that has unknown statements, and
+/// of a file beyond our bounds. A file of nothing but other statements is an empty mesh.
 class ObjParser {
  public:
   ObjParser(LineReader& reader, Warnings& warnings) : in_(reader), warnings_(warnings) {}
@@ -60,8 +61,9 @@ class ObjParser {
   ObjFile file_;
   std::map<std::string, uint32_t, std::less<>> material_index_;
   uint32_t material_ = kNoIndex;
-  uint32_t smoothing_group_ = 0;  ///< 0: off
-  std::optional<Error> problem_;  ///< what is wrong with the first part that was left out
+  uint32_t smoothing_group_ = 0;            ///< 0: off
+  std::optional<Error> problem_;            ///< what is wrong with the first part that was left out
+  std::optional<Error> unknown_statement_;  ///< what the first one means in a file without vertices
   std::vector<MeshCorner> polygon_;
   std::vector<Vec3> points_;
   std::vector<CornerTriple> triples_;

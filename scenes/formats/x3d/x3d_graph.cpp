@@ -109,6 +109,7 @@ void X3dTranslator::check_names() {
     }
     std::set<std::string_view> single;
     for (const X3dNode::Child& child : node.children) {
+      if (!find_x3d_node_type(child.node->type)) continue;  // told where it stands, whatever field
       if (!type->has_node_field(child.container) && type->has_field(child.container))
         values_.repair(node, child.container, child.node->offset, describe(*child.node), "a value",
                        "it is left out");

@@ -128,6 +128,39 @@ TEST_F(Progress, WhatIsStoredCountsBeforeTheJobIsBegun) {
   EXPECT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, 62u);
 }
 
+TEST_F(Progress, TilesOfEqualFramesAreDoneTogether) {
+  BlobStore blobs;
+  v1::Envelope message = submission(1001, job(160), blobs);
+  v1::SubmitJob& request = *message.mutable_submit_job();
+  request.set_detached(true);
+  for (int i = 0; i < 3; ++i) *request.add_frames() = v1::JobFrame(request.frames(0));
+  v1::JobFrame& other = *request.add_frames() = v1::JobFrame(request.frames(0));
+  other.mutable_settings()->set_seed(77);
+  submit_with(message, blobs, now);
+  const uint64_t id = heard(v1::Envelope::kJobStatus).back().job_status().job();
+  const auto expect = [&](uint64_t done, uint64_t restored) {
+    EXPECT_EQ(look(id).tiles_total(), 500u);
+    EXPECT_EQ(look(id).tiles_done(), done);
+    EXPECT_EQ(look(id).tiles_restored(), restored);
+    EXPECT_EQ(coordinator.snapshot(now).jobs.at(0).tiles_done, done);
+  };
+  come_now();
+  trace(40, seconds(1));
+  expect(160, 120);
+  EXPECT_NEAR(look(id).remaining_seconds(), 160, 2) << "of two frames";
+  start_anew();
+  expect(160, 160);
+  come_now();
+  trace(60, seconds(1));
+  for (int i = 0; i < 4; ++i) coordinator.on_tick(now);
+  get_ready_in(session);
+  EXPECT_EQ(look(id).frames_done(), 4u);
+  expect(400, 340);
+  trace(40, seconds(1));
+  expect(440, 340);
+  EXPECT_NEAR(look(id).remaining_seconds(), 60, 2);
+}
+
 TEST_F(Progress, IsNotMisledByTilesOfUnequalCosts) {
   const uint64_t id = submit_disc();
   EXPECT_GT(trace_disc(id, kColumns * kColumns, kColumns * kColumns / 10), 1400);
@@ -159,6 +192,45 @@ TEST_F(Progress, TimeIsKeptInFullWhereTheCoordinatorEnds) {
   coordinator.shut_down("test");
   start_anew();
   EXPECT_EQ(look(id).elapsed_seconds(), 3);
+}
+
+TEST_F(Progress, ASilentWorkerDoesNotWork) {
+  const uint64_t id = submit(1, 0, 320, 1, 1, now);
+  come_now();
+  v1::Envelope second = hello(2);
+  second.mutable_hello()->set_credit(1);
+  second.mutable_hello()->set_threads(1);
+  say("w2", second, now);
+  ready("w2", first_frame_of(id), now);
+  /// So many seconds in which each of these workers traces a tile a second.
+  const auto work = [&](int count, const std::vector<PeerId>& peers) {
+    for (int i = 0; i < count; ++i) {
+      now += seconds(1);
+      for (const PeerId& peer : peers) {
+        listen();
+        for (size_t at = all.size(); at-- > 0;) {
+          if (to[at] != peer || !all[at].has_assign()) continue;
+          say(peer, band(all[at].assign(), 1), now);
+          break;
+        }
+      }
+      coordinator.on_tick(now);
+    }
+  };
+  work(100, {"w1", "w2"});
+  EXPECT_EQ(look(id).tiles_done(), 200u);
+  EXPECT_NEAR(look(id).remaining_seconds(), 100, 5);
+  work(3, {"w1"});
+  EXPECT_NEAR(look(id).remaining_seconds(), 197, 30) << "the other one is suspect";
+  work(3, {"w1"});
+  EXPECT_NEAR(look(id).remaining_seconds(), 194, 20) << "the other one is lost";
+  for (int i = 0; i < 30; ++i) coordinator.on_tick(now += milliseconds(100));
+  EXPECT_LT(look(id).remaining_seconds(), 0) << "nobody works";
+  const double elapsed = look(id).elapsed_seconds();
+  now += seconds(1);
+  EXPECT_EQ(look(id).elapsed_seconds(), elapsed);
+  work(1, {"w1"});
+  EXPECT_NEAR(look(id).remaining_seconds(), 193, 40) << "one is back";
 }
 
 TEST_F(Progress, TurnsOfEqualJobsCountForBoth) {

@@ -16,28 +16,28 @@ using std::chrono::seconds;
 
 TEST(WorkMeter, TimeInWhichNobodyWorksDoesNotCount) {
   WorkMeter meter(100);
-  meter.account(seconds(5000), false, {}, 80);
-  meter.account(seconds(5010), true, {}, 80);
+  meter.account(seconds(5000), 0, {}, 80);
+  meter.account(seconds(5010), 1, {}, 80);
   EXPECT_EQ(meter.seconds(seconds(5012), true), 112);
   EXPECT_EQ(meter.seconds(seconds(5012), false), 110);
-  meter.account(seconds(9000), false, {.tiles = 40}, 80);
-  EXPECT_EQ(meter.remaining_seconds({.tiles = 40}, {.tiles = 40}, 80, 2), 10);
+  meter.account(seconds(9000), 0, {.tiles = 40}, 80);
+  EXPECT_EQ(meter.remaining_seconds({.tiles = 40}, {.tiles = 40}, 80, 2, 1), 10);
 }
 
 TEST(WorkMeter, TellsNothingBeforeItKnows) {
   WorkMeter meter;
-  EXPECT_LT(meter.remaining_seconds({}, {.tiles = 100}, 100, 4), 0);
-  meter.account(seconds(1), false, {.tiles = 40}, 100);
-  EXPECT_LT(meter.remaining_seconds({.tiles = 40}, {.tiles = 60}, 100, 4), 0)
+  EXPECT_LT(meter.remaining_seconds({}, {.tiles = 100}, 100, 4, 1), 0);
+  meter.account(seconds(1), 0, {.tiles = 40}, 100);
+  EXPECT_LT(meter.remaining_seconds({.tiles = 40}, {.tiles = 60}, 100, 4, 1), 0)
       << "all of them in no time";
 }
 
 TEST(WorkMeter, DoesNotGuessFromTheFirstTiles) {
   const auto left_after = [](Time worked, uint64_t traced, uint64_t left) {
     WorkMeter meter;
-    meter.account(worked, true, {}, traced + left);
-    meter.account(worked, true, {.tiles = traced}, traced + left);
-    return meter.remaining_seconds({.tiles = traced}, {.tiles = left}, traced + left, 1);
+    meter.account(worked, 1, {}, traced + left);
+    meter.account(worked, 1, {.tiles = traced}, traced + left);
+    return meter.remaining_seconds({.tiles = traced}, {.tiles = left}, traced + left, 1, 1);
   };
   EXPECT_LT(left_after(seconds(1), 1, 509), 0);
   EXPECT_LT(left_after(seconds(1), 31, 479), 0);
@@ -50,10 +50,10 @@ TEST(WorkMeter, DoesNotGuessFromTheFirstTiles) {
 TEST(WorkMeter, WhatIsLeftCountsByWhatItTakes) {
   WorkMeter meter;
   // Two threads: the costly half first.
-  meter.account(seconds(100), true, {}, 100);
+  meter.account(seconds(100), 2, {}, 100);
   const TileWork traced{.tiles = 50, .seconds = 200};
-  meter.account(seconds(100), true, traced, 100);
-  EXPECT_EQ(meter.remaining_seconds(traced, {.tiles = 50, .seconds = 20}, 100, 2), 10);
+  meter.account(seconds(100), 2, traced, 100);
+  EXPECT_EQ(meter.remaining_seconds(traced, {.tiles = 50, .seconds = 20}, 100, 2, 2), 10);
 }
 
 /// A job of a random number of tiles, with all that may happen to it.
@@ -61,7 +61,7 @@ class History {
  public:
   explicit History(uint64_t seed) : random_(seed) {
     tiles_ = 40 + draw(draw(20) == 0 ? 100'000 : 2000);
-    threads_ = 1 + draw(std::max<uint64_t>(1, tiles_ / 40));
+    threads_ = some_threads();
     tile_ = milliseconds(10 + draw(5000));
     for (uint64_t i = 0; i < tiles_; ++i) costs_.push_back(1 << draw(7));
     // After one of sixteen, which tell of the others, costly ones come first.
@@ -83,12 +83,16 @@ class History {
         case 1:
           // The coordinator is started anew.
           meter_ = WorkMeter(meter_.seconds(now_, false));
-          meter_.account(now_, false, {}, tiles_);
+          meter_.account(now_, 0, {}, tiles_);
           traced_ = {};
           steady_ = 0;
           break;
         case 2:
-          // Workers come or go, or the tiles are of another kind.
+          // Workers come or go, which is known at once.
+          threads_ = some_threads();
+          break;
+        case 4:
+          // The tiles are of another kind.
           tile_ = milliseconds(10 + draw(5000));
           steady_ = 0;
           break;
@@ -112,23 +116,24 @@ class History {
 
  private:
   uint64_t draw(uint64_t below) { return random_() % below; }
+  uint64_t some_threads() { return 1 + draw(std::max<uint64_t>(1, tiles_ / 40)); }
   /// Of one thread, at the present rate.
   double seconds_left() const { return to_seconds(tile_ * cost_left_); }
   double left() {
     const TileWork left{tiles_ - done_, tells_costs_ ? seconds_left() : 0};
-    return meter_.remaining_seconds(traced_, left, tiles_, threads_);
+    return meter_.remaining_seconds(traced_, left, tiles_, threads_, threads_);
   }
   void work(Time time) {
-    meter_.account(now_, true, traced_, tiles_);
+    meter_.account(now_, threads_, traced_, tiles_);
     now_ += time;
     worked_ += time;
-    meter_.account(now_, true, traced_, tiles_);
+    meter_.account(now_, threads_, traced_, tiles_);
   }
   void wait() {
     const double before = left();
     for (int i = 0; i < 3; ++i) {
       now_ += seconds(draw(100'000));
-      meter_.account(now_, false, traced_, tiles_);
+      meter_.account(now_, 0, traced_, tiles_);
       ASSERT_EQ(left(), before);
     }
   }

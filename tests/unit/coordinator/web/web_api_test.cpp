@@ -151,6 +151,27 @@ TEST_F(WebApiTest, TakesOrders) {
   EXPECT_EQ(post("/api/v1/jobs/99/cancel").status, 404);
 }
 
+TEST_F(WebApiTest, AJobWaitsForNothingAsSoonAsItIsShownAsCancelled) {
+  for (const bool by_page : {true, false}) {
+    const uint64_t id = submit(by_page ? 1 : 2);
+    look(clock += seconds(1));
+    const std::string of_job = "/api/v1/jobs/" + std::to_string(id);
+    EXPECT_EQ(json(of_job)["waits_for"], "workers");
+    if (by_page)
+      post(of_job + "/cancel");
+    else
+      ask(id, v1::JobQuery::CANCEL, clock);
+    Json shown = json(of_job);
+    for (int i = 0; i < 100 && shown["state"] != "cancelled"; ++i) {
+      EXPECT_EQ(shown["waits_for"], "workers") << "of the same moment as the state";
+      look(clock += milliseconds(20));
+      shown = json(of_job);
+    }
+    EXPECT_EQ(shown["state"], "cancelled");
+    EXPECT_TRUE(shown["waits_for"].is_null());
+  }
+}
+
 TEST_F(WebApiTest, RefusesWhatIsNoRequestOfIts) {
   const uint64_t id = submit(1);
   look(monotonic_now());

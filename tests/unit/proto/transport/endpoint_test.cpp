@@ -27,6 +27,35 @@ TEST(Endpoint, KnowsWhatOthersCanReach) {
   }
 }
 
+TEST(Endpoint, HasTheZoneOfALinkLocalAddress) {
+  for (const char* text : {"tcp://[fe80::1%lo]:1", "tcp://[fe80::1%1]:1", "tcp://fe80::1%lo:1",
+                           "tcp://[fd00::1]:1", "tcp://[::]:1", "tcp://host:1", "ipc:///x%y"})
+    EXPECT_NO_THROW(check_zone(parse_endpoint(text))) << text;
+  const auto error_of = [](const std::string& text) -> std::string {
+    try {
+      check_zone(parse_endpoint(text));
+      return text + " is taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::bad_usage);
+      return error.what();
+    }
+  };
+  for (const std::string zone : {"nosuch", "", "25lo", "999999", "1x", "-1"}) {
+    const std::string text = "tcp://[fe80::1%" + zone + "]:1";
+    EXPECT_EQ(error_of(text), "endpoint '" + text + "' has the zone '" + zone +
+                                  "'; expected a network interface of this machine");
+  }
+  EXPECT_EQ(error_of("tcp://[::1%lo]:1"),
+            "endpoint 'tcp://[::1%lo]:1' has the zone 'lo'; expected none but for a link-local "
+            "address (fe80::)");
+  for (const std::string host : {"[fe80::1]", "fe80::1"}) {
+    EXPECT_EQ(error_of("tcp://" + host + ":1"),
+              "endpoint 'tcp://" + host +
+                  ":1' has a link-local address; expected its network "
+                  "interface after it, such as [fe80::1%eth0]");
+  }
+}
+
 TEST(Endpoint, ThatIsMalformedIsNamed) {
   const std::string long_path = "ipc://" + std::string(200, 'x');
   for (const std::string& text :

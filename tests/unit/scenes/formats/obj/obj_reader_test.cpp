@@ -274,10 +274,9 @@ TEST(Obj, SaysWhereAndWhatIsWrong) {
             "t.obj:1:7: '1e39'; expected a coordinate that single precision can hold");
   EXPECT_EQ(error("v 1.0f 0 0\n"), "t.obj:1:3: '1.0f'; expected a coordinate");
   EXPECT_EQ(error("\n# text\n  hello you\n"),
-            "t.obj:3:3: no vertex (v) in the whole file, which begins with 'hello'; expected the "
-            "text of an OBJ file");
-  EXPECT_EQ(error("# nothing\n"),
-            "t.obj: no vertex (v) in the whole file; expected the text of an OBJ file");
+            "t.obj:3:3: no vertex (v) in the whole file, but 'hello'; expected the text of an OBJ "
+            "file");
+  EXPECT_EQ(error("o rock\nhello\n").substr(0, 9), "t.obj:2:1");
   EXPECT_EQ(error(std::string("\x7f\0ELF\1", 6)).substr(0, 22), "t.obj:1:1: binary data");
 }
 

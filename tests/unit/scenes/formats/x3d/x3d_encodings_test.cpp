@@ -369,6 +369,27 @@ TEST(X3dEncodings, SuggestsFieldNames) {
             "t.x3dv:2:59: unknown field 'radios' of Sphere is left out; did you mean 'radius'?");
 }
 
+TEST(X3dEncodings, TellsOfAnUnknownNodeOnceWhateverFieldHoldsIt) {
+  const std::vector<std::string> expected{
+      "3:1: unknown node 'BlendMode' is left out",
+      "4:1: unknown node 'Foo' is left out; did you mean 'Fog'?"};
+  const auto in = [](const std::string& file, std::vector<std::string> warnings) {
+    for (std::string& warning : warnings) warning.erase(0, file.size() + 1);
+    return warnings;
+  };
+  EXPECT_EQ(in("t.x3dv", parse_classic("Shape { appearance Appearance { blendMode\nBlendMode { } } "
+                                       "geometry Box { } bboxSize\nFoo { } }")
+                             .warnings),
+            expected);
+  EXPECT_EQ(in("t.x3d", parse_x3d("<X3D><Scene><Shape><Appearance>\n\n<BlendMode "
+                                  "containerField='blendMode'/></Appearance>\n<Foo/><Box/></Shape>"
+                                  "</Scene></X3D>",
+                                  "t.x3d", {})
+                            .warnings),
+            (std::vector<std::string>{"3:2: unknown node 'BlendMode' is left out",
+                                      "4:2: unknown node 'Foo' is left out; did you mean 'Fog'?"}));
+}
+
 TEST(X3dEncodings, ListsWhatIsIgnoredOnceWithCounts) {
   const auto warnings =
       parse_classic(
