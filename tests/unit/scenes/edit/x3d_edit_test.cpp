@@ -259,6 +259,14 @@ TEST(StudioEdit, WritesAViewpointInTheAxesOfTheTransformsAroundIt) {
             "a Transform around the Viewpoint that cannot be read");
 }
 
+TEST(StudioEdit, WritesAViewpointIntoAnEmptyScene) {
+  const CameraPose pose{{1, 2, 3}, {1, 2, 0}, {0, 1, 0}, 45.0, "smaller", {}};
+  const Outline made = x3d_text("<X3D version='4.0'><Scene/></X3D>");
+  EXPECT_EQ(applied(made, write_camera(made, "", pose)),
+            "<X3D version='4.0'><Scene><Viewpoint position='1 2 3' "
+            "fieldOfView='0.78539816'/></Scene></X3D>");
+}
+
 TEST(StudioEdit, WritesAViewpointInsideOfTransformsOfAClassicText) {
   const CameraPose pose{{1, 2, 3}, {0, 0.5, 0.25}, {.1, 1, 0}, 40.0, "smaller", {}};
   const Outline made = outline(
