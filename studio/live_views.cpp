@@ -145,7 +145,10 @@ void LiveViews::show_scene(const ViewId& id, Pane& pane, Time now) {
   const bool is_asked_for = pane.asked_for.has_value();
   if (is_asked_for && scene.last && scene.last->revision >= *pane.asked_for) pane.asked_for.reset();
   const Json before = std::exchange(pane.stale, stale_json(scene));
-  if (!scene.good) {
+  // What the page has is held against the newest text alone.
+  const bool is_newest =
+      scene.good == scene.last && scene.last && scene.last->revision >= scene.asked;
+  if (!scene.good || (!pane.wish.known.empty() && !is_newest)) {
     pane.view.forget_look();
     if (pane.stale != before) tell(id, pane, name_of(pane.view.state()), {});
     return;
@@ -170,6 +173,12 @@ void LiveViews::show_scene(const ViewId& id, Pane& pane, Time now) {
     pane.why_failed = error.what();
     tell(id, pane, "failed", {});
     return;
+  }
+  if (pane.wish.known == frame_scene.digest) {
+    pane.view.forget_look();
+    pane.shown = scene.good;
+    return tell(id, pane, "done",
+                {{"frame", pane.wish.frame}, {"digest", frame_scene.digest}, {"unchanged", true}});
   }
   pane.view.set_look({frame_scene.digest, pane.settings}, pane.wish.moving, now, is_asked_for);
   const bool is_shown =
@@ -258,6 +267,7 @@ void LiveViews::take(const PassEnd& end) {
           {"samples", pass.pass.samples},
           {"ended", true},
           {"rays", end.rays},
+          {"digest", pane->shown->scene->digest},
           {"times",
            {{"parse", pane->shown->seconds}, {"build", end.overhead}, {"trace", end.trace}}}});
   } else if (end.how == PassEnd::How::failed) {

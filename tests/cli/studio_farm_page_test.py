@@ -106,6 +106,18 @@ class FarmPageTest(StudioPageTest):
         page.click_on(".animation button", "Make frames")
         wait_until(lambda: page.evaluate("document.querySelector('.frames').getAttribute('aria-label')") ==
                    "3 of 3 frames are there", "the frames are made")
+        # A comment changes none of them, so that nothing is traced.
+        other = self.page(self.running)
+
+        def tiles():
+            other.forget()
+            return [sum(each["tiles"] for each in other.receive("workers")["list"]) for _ in range(2)][1]
+        before = tiles()
+        self.write_at(page, 1, " # moves")
+        self.until(page, lambda state: state["picture"]["version"] == state["version"], "the text was read")
+        wait_until(lambda: page.evaluate("document.querySelector('.frames').getAttribute('aria-label')") ==
+                   "3 of 3 frames are there", "the frames are still right")
+        self.assertEqual(before, tiles())
         # It plays on where another panel covers its own.
         page.click_on(".animation button", "Play")
         self.show(page, "Farm")
