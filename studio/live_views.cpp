@@ -1,6 +1,7 @@
 #include "studio/live_views.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
@@ -125,6 +126,7 @@ void LiveViews::take(std::shared_ptr<const SceneReading> reading, Time now) {
   ReadScene& scene = at->second;
   if (scene.last && scene.last->revision > reading->revision) return;
   scene.last = reading;
+  if (!reading->is_sample) log_.note(reading->file, reading->seconds, now);
   if (reading->scene) scene.good = reading;
   std::set<ClientId> told;
   for (auto& [id, pane] : panes_) {
@@ -379,7 +381,8 @@ std::shared_ptr<const SceneReading> LiveViews::reading_of(ClientId client,
 }
 
 void LiveViews::tick(Time now) {
-  deadline_ = Time::max();
+  for (const std::string& line : log_.due(now)) spdlog::info(line);
+  deadline_ = log_.deadline();
   for (auto& [id, pane] : panes_) {
     carry_out(id, pane, now);
     deadline_ = std::min(deadline_, pane.view.deadline());

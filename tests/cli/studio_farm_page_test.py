@@ -94,6 +94,15 @@ class FarmPageTest(StudioPageTest):
         page.click_on(".log button", "wrong.tessera:2")
         self.until(page, lambda state: state["selection"]["line"] == 2, "the cursor is there")
 
+    def test_the_log_tells_how_long_scenes_took_to_be_read(self):
+        page = self.begin()
+        self.show(page, "Console")
+        reads = r"'scene\.tessera': read (in|\d+ times, each in) \d+\.\d"
+        self.has_words(page, ".log", reads, "it was read")
+        before = len(re.findall(reads, self.text_of(page, ".log")))
+        self.write_at(page, 1, " # one comment")
+        wait_until(lambda: len(re.findall(reads, self.text_of(page, ".log"))) > before, "and once more")
+
     def test_an_animation_has_the_scenes_frames(self):
         self.scene("moving.tessera", scenes.MOVING.replace("frames { per_second: 10 }",
                                                            "frames { first: 1 last: 3 per_second: 10 }"))
