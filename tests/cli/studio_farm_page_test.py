@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 """Full pictures, workers, graphs, the log and animations in the studio's page."""
+import os
 import pathlib
 import re
 import shlex
+import signal
 import unittest
 
 import scenes
 from png import read_png
 from studio_browser import StudioPageTest
 from studio_case import SCENE
-from tessera_process import PATIENCE, PROGRAM, wait_until
+from tessera_process import PATIENCE, PROGRAM, is_worker, marked_processes, wait_until
 
 AXE = pathlib.Path(PROGRAM).parents[1] / "studio/page/work/node_modules/axe-core/axe.min.js"
 
@@ -102,6 +104,17 @@ class FarmPageTest(StudioPageTest):
         before = len(re.findall(reads, self.text_of(page, ".log")))
         self.write_at(page, 1, " # one comment")
         wait_until(lambda: len(re.findall(reads, self.text_of(page, ".log"))) > before, "and once more")
+
+    def test_a_worker_that_is_lost_is_not_counted(self):
+        page = self.begin("--workers", "2")
+        self.show(page, "Farm")
+        seen = """(() => [[...document.querySelectorAll('table[aria-label="Workers"] tbody tr')].map((each) =>
+            each.cells[1].textContent), document.querySelector(".status-bar").textContent.match(/(\\d+) worker/)[1]])()"""
+        wait_until(lambda: page.evaluate(seen) == [["active", "active"], "2"], "both are there")
+        os.kill([each for each in marked_processes(self.mark) if is_worker(each)][0], signal.SIGKILL)
+        states, count = wait_until(lambda: (found := page.evaluate(seen)) and "lost" in found[0] and found,
+                                   "one is lost")
+        self.assertEqual(str(len(states) - states.count("lost")), count)
 
     def test_an_animation_has_the_scenes_frames(self):
         self.scene("moving.tessera", scenes.MOVING.replace("frames { per_second: 10 }",

@@ -125,6 +125,10 @@ export const paused = signal(false);
 export const probed = signal<ToPage["probed"] | undefined>(undefined);
 
 export const workers = signal<WorkerReport[]>([]);
+/** How many there are, without those that were lost; before they are told of, how many were started. */
+export const workerCount = computed(() =>
+  workers.value.length === 0 ? (welcome.value?.workers ?? 0) : workers.value.filter((each) => each.state !== "lost").length,
+);
 export const legend = signal<Legend | undefined>(undefined);
 /** Tiles since the page was loaded, by what they took. */
 export const tileTimes = signal<TileTimes | undefined>(undefined);

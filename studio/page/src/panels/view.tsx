@@ -26,7 +26,7 @@ export function currentWords(): ViewWords {
     progress: state.progress.value,
     paused: state.paused.value,
     reading: isReading.value,
-    workers: state.workers.value.length || (state.welcome.value?.workers ?? 0),
+    workers: state.workerCount.value,
   });
 }
 
