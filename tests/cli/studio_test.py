@@ -436,8 +436,20 @@ class Camera(StudioPageTest):
         free = self.moved("dragging", lambda: page.drag((x, y), (x + 60, y + 10)))
         self.write_at(page, 5, ANOTHER)
         page.press("Ctrl-S")
-        self.until_final(page)
+        before = self.until_final(page)
         self.assertEqual(free, page.state["camera"])
+        shown = page.pixels()
+        self.running.process.send_signal(signal.SIGSTOP)
+        try:
+            self.until(page, lambda state: state["connection"] == "lost", "the connection is lost")
+            self.assertEqual(free, page.state["camera"])
+        finally:
+            self.running.process.send_signal(signal.SIGCONT)
+        self.until(page, lambda state: state["connection"] == "open", "it is connected again")
+        # The picture that is made over the new connection is seen from there, too.
+        self.until_final(page, before)
+        self.assertEqual(free, page.state["camera"])
+        self.assert_same(shown, page.pixels())
         self.assertTrue(page.has(".chip", "free"))
         page.click_on(".view-frame")
         page.press("Home")
