@@ -456,6 +456,17 @@ class Camera(StudioPageTest):
         self.until(page, lambda state: state["camera"]["mode"] == "scene", "Home leads back")
         self.assertTrue(page.has(".chip", "scene’s: front"))
 
+    def test_a_panorama_has_no_field_of_view_of_the_view(self):
+        page = self.browser_page
+        page.click_on(".view-options summary")
+        wait_until(lambda: page.has(".camera-fields", "Field of view"), "a perspective has one")
+        self.scene("scene.tessera", SCENE.replace('name: "front"', 'name: "front" spherical { }'))
+        wait_until(lambda: "spherical" in page.script, "the page follows the file")
+        wait_until(lambda: not page.has(".camera-fields", "Field of view"), "a panorama has none")
+        self.assertFalse(page.has(".camera-fields", "It spans"))
+        self.assertTrue(page.has(".camera-fields", "Target"))
+        self.until_final(page)
+
     def test_a_camera_that_was_moved_is_written_to_the_one_that_it_was(self):
         page = self.browser_page
         other = 'cameras { name: "side" world_from_camera { steps { look_at { eye { x: 5 } target { } } } } }\n'
