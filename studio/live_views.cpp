@@ -1,6 +1,7 @@
 #include "studio/live_views.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
@@ -125,6 +126,7 @@ void LiveViews::take(std::shared_ptr<const SceneReading> reading, Time now) {
   ReadScene& scene = at->second;
   if (scene.last && scene.last->revision > reading->revision) return;
   scene.last = reading;
+  if (!reading->is_sample) log_.note(reading->file, reading->seconds, now);
   if (reading->scene) scene.good = reading;
   std::set<ClientId> told;
   for (auto& [id, pane] : panes_) {
@@ -145,7 +147,10 @@ void LiveViews::show_scene(const ViewId& id, Pane& pane, Time now) {
   const bool is_asked_for = pane.asked_for.has_value();
   if (is_asked_for && scene.last && scene.last->revision >= *pane.asked_for) pane.asked_for.reset();
   const Json before = std::exchange(pane.stale, stale_json(scene));
-  if (!scene.good) {
+  // What the page has is held against the newest text alone.
+  const bool is_newest =
+      scene.good == scene.last && scene.last && scene.last->revision >= scene.asked;
+  if (!scene.good || (!pane.wish.known.empty() && !is_newest)) {
     pane.view.forget_look();
     if (pane.stale != before) tell(id, pane, name_of(pane.view.state()), {});
     return;
@@ -170,6 +175,12 @@ void LiveViews::show_scene(const ViewId& id, Pane& pane, Time now) {
     pane.why_failed = error.what();
     tell(id, pane, "failed", {});
     return;
+  }
+  if (pane.wish.known == frame_scene.digest) {
+    pane.view.forget_look();
+    pane.shown = scene.good;
+    return tell(id, pane, "done",
+                {{"frame", pane.wish.frame}, {"digest", frame_scene.digest}, {"unchanged", true}});
   }
   pane.view.set_look({frame_scene.digest, pane.settings}, pane.wish.moving, now, is_asked_for);
   const bool is_shown =
@@ -258,6 +269,7 @@ void LiveViews::take(const PassEnd& end) {
           {"samples", pass.pass.samples},
           {"ended", true},
           {"rays", end.rays},
+          {"digest", pane->shown->scene->digest},
           {"times",
            {{"parse", pane->shown->seconds}, {"build", end.overhead}, {"trace", end.trace}}}});
   } else if (end.how == PassEnd::How::failed) {
@@ -369,7 +381,8 @@ std::shared_ptr<const SceneReading> LiveViews::reading_of(ClientId client,
 }
 
 void LiveViews::tick(Time now) {
-  deadline_ = Time::max();
+  for (const std::string& line : log_.due(now)) spdlog::info(line);
+  deadline_ = log_.deadline();
   for (auto& [id, pane] : panes_) {
     carry_out(id, pane, now);
     deadline_ = std::min(deadline_, pane.view.deadline());

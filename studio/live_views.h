@@ -13,6 +13,7 @@
 #include "base/monotonic.h"
 #include "studio/live_view.h"
 #include "studio/page_message.h"
+#include "studio/reading_log.h"
 #include "studio/scene_reading.h"
 #include "studio/studio_orders.h"
 
@@ -131,6 +132,7 @@ class LiveViews {
   std::map<SceneKey, ReadScene> scenes_;
   uint64_t revision_ = 0;
   OpenTexts texts_;
+  ReadingLog log_;
   Time deadline_ = Time::max();
 };
 

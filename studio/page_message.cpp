@@ -136,6 +136,7 @@ Message view(const Fields& fields) {
   fields.get("tone", message.tone);
   fields.get("hidden", message.filter.hidden);
   fields.get("solo", message.filter.solo);
+  fields.get("known", message.known);
   return message;
 }
 

@@ -78,6 +78,8 @@ struct View {
   bool tiles = false;  ///< the page is to be told which worker traced which tile
   std::vector<std::pair<std::string, std::string>> tone{};  ///< likewise options
   ViewFilter filter{};
+  /// The digest of the scene whose picture the page has: of that scene none is made.
+  std::string known{};
 };
 struct PaneOrder {
   enum class What { pause, resume, stop, refresh, close };

@@ -9,10 +9,6 @@
 namespace tessera::edit {
 namespace {
 
-constexpr double kClose = 1e-6;
-
-Vec3 to_vec(const Triple& t) { return {t[0], t[1], t[2]}; }
-
 Affine frame(const WrittenCamera& camera) {
   return look_at(Point3{} + to_vec(camera.eye), Point3{} + to_vec(camera.target),
                  to_vec(camera.up));
@@ -22,7 +18,8 @@ double reach(const WrittenCamera& camera) {
   return length(to_vec(camera.target) - to_vec(camera.eye));
 }
 
-/// `wanted` in short numbers, of which those of `there` are kept that are near enough.
+}  // namespace
+
 Triple shortened(const Triple& wanted, const Triple& there, double tolerance, std::string& text) {
   Triple made;
   text.clear();
@@ -34,8 +31,6 @@ Triple shortened(const Triple& wanted, const Triple& there, double tolerance, st
   }
   return made;
 }
-
-}  // namespace
 
 double frame_distance(const WrittenCamera& a, const WrittenCamera& b) {
   const Affine fa = frame(a), fb = frame(b);
@@ -68,14 +63,14 @@ CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there,
   const double unit = std::min(1.0, reach(wanted));
   WrittenCamera made;
   std::string eye, target, up;
-  double tolerance = kClose * unit;
+  double tolerance = kSameFrame * unit;
   for (int i = 0; i < 12; ++i, tolerance /= 8) {
     made.eye = shortened(wanted.eye, there.eye, tolerance, eye);
     made.target = shortened(wanted.target, there.target, tolerance, target);
     made.up = there.up;
-    if (has_up && frame_distance(wanted, made) > kClose)
+    if (has_up && frame_distance(wanted, made) > kSameFrame)
       made.up = shortened(wanted.up, there.up, tolerance * length(to_vec(wanted.up)) / unit, up);
-    if (frame_distance(wanted, made) <= kClose) break;
+    if (frame_distance(wanted, made) <= kSameFrame) break;
   }
   CameraNumbers numbers;
   if (made.eye != there.eye) numbers.eye = eye;

@@ -23,8 +23,18 @@ struct CameraNumbers {
   std::optional<std::string> eye, target, up;
 };
 
-/// The shortest numbers with which the camera's frame, eye (in lengths from eye to target, or of 1
-/// if that is more) and axes, stays within 1e-6. `has_up`: the language lets a camera say it.
+/// Frames are the same where neither axes nor eye (in lengths from eye to target, or of 1 if that
+/// is more) are farther apart.
+inline constexpr double kSameFrame = 1e-6;
+
+inline Vec3 to_vec(const Triple& t) { return {t[0], t[1], t[2]}; }
+
+/// `wanted` in short numbers, with those of `there` where they are near enough; `text`: the numbers
+/// between blanks.
+Triple shortened(const Triple& wanted, const Triple& there, double tolerance, std::string& text);
+
+/// The shortest numbers with which the camera's frame stays the same. `has_up`: the language lets a
+/// camera say it.
 CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there, bool has_up);
 
 /// Why no camera is made of the pose.

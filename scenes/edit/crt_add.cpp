@@ -15,6 +15,51 @@
 
 namespace tessera::edit {
 
+namespace {
+
+std::string free_variable(std::string_view wish, const Outline& outline) {
+  std::vector<std::string> names;
+  for (const auto& [name, variable] : crt_variables(outline.text(), outline.tree()))
+    names.emplace_back(name);
+  return free_name(wish, names, "");
+}
+
+int settings_of(const Outline& outline) {
+  for (size_t i = 0; i < outline.entities().size(); ++i)
+    if (outline.entities()[i].kind == EntityKind::settings) return static_cast<int>(i);
+  return -1;
+}
+
+/// Gives a script without cameras one that has no attributes yet: a variable before the Settings,
+/// of the name that these have for it already, or else of one that they get.
+void add_camera(EditSequence& sequence) {
+  sequence.then([](const Outline& now) {
+    const int settings = settings_of(now);
+    if (settings < 0) return refuse("a script without Settings", "Settings { ... } for its camera");
+    const Entity& holder = now.entities()[static_cast<size_t>(settings)];
+    std::string name = free_variable("cam", now);
+    if (const Field* const written = written_field(holder, "camera")) {
+      const CrtVariables variables = crt_variables(now.text(), now.tree());
+      const auto named = variables.find(written->text);
+      if (named == variables.end() || named->second.assigned > 0)
+        return refuse(written->text, "the name of a Camera, or no camera at all", written->value);
+      name = written->text;
+    }
+    Change change;
+    change.edits.push_back(
+        Layout(now.text(), "--").before(holder.range, fmt::format("{} = Camera {{ }}", name)));
+    return change;
+  });
+  sequence.then([](const Outline& now) {
+    const int settings = settings_of(now), camera = find_camera(now, "").value_or(0);
+    if (settings < 0 || written_field(now.entities()[static_cast<size_t>(settings)], "camera"))
+      return Change();
+    return set_crt_field(now, settings, "camera", now.entities()[static_cast<size_t>(camera)].name);
+  });
+}
+
+}  // namespace
+
 std::vector<EntityTemplate> crt_templates() {
   return {{"file", "Mesh", {{"file", ""}}},
           {"sphere", "Sphere", {{"center", "0 0 0"}, {"radius", "1"}}},
@@ -58,11 +103,8 @@ Change add_crt(const Outline& outline, const EntityTemplate& made) {
   const Layout layout = Layout(outline.text(), "--");
   Change change;
   if (word->kind == EntityKind::material) {
-    std::vector<std::string> names;
-    for (const auto& [name, variable] : crt_variables(outline.text(), outline.tree()))
-      names.emplace_back(name);
     const std::string line =
-        fmt::format("{} = Material {{ {}}}", free_name("material", names, ""), text);
+        fmt::format("{} = Material {{ {}}}", free_variable("material", outline), text);
     change.edits.push_back(last_material ? layout.behind(last_material->range, line)
                            : settings    ? layout.before(settings->range, line)
                                          : layout.at_end(line));
@@ -91,16 +133,25 @@ Change add_crt(const Outline& outline, const EntityTemplate& made) {
 }
 
 Change write_crt_camera(const Outline& outline, std::string_view name, const CameraPose& pose) {
-  const int camera = find_camera(outline, name).value_or(-1);
   if (pose.orthographic) return refuse("an orthographic camera", "a projection that CRT has");
-  if (camera < 0) return refuse("a script without that camera", "a Camera { ... } to write");
-  const Entity& asked = outline.entities()[static_cast<size_t>(camera)];
+  EditSequence sequence(outline);
+  int camera = find_camera(outline, name).value_or(-1);
+  if (camera < 0) {
+    if (find_camera(outline, ""))
+      return refuse(fmt::format("no Camera '{}'", name), "a camera's name");
+    add_camera(sequence);
+    camera = find_camera(sequence.now(), "").value_or(-1);
+    if (camera < 0) return sequence.finish();
+  }
+  sequence.keep(camera);
+  const Entity asked = sequence.now().entities()[static_cast<size_t>(camera)];
   const std::string projection = written_text(asked, "projection", "pinhole");
   const bool is_panorama = projection != "pinhole";
   if (!is_panorama && !pose.axis.empty() && pose.axis != "vertical")
     return refuse(fmt::format("a field of view over the {} axis", pose.axis),
                   "the vertical one, as CRT has it");
-  WrittenCamera there;
+  // What is missing is no number: all three have to be there.
+  WrittenCamera there{{NAN, NAN, NAN}, {NAN, NAN, NAN}};
   std::optional<double> angle;
   for (const Field& field : asked.fields) {
     const auto triple = read_triple(field.text);
@@ -109,8 +160,6 @@ Change write_crt_camera(const Outline& outline, std::string_view name, const Cam
     if (field.name == "fov") angle = typed_number(field.text);
   }
   const CameraNumbers numbers = camera_numbers(pose, there, false);
-  EditSequence sequence(outline);
-  sequence.keep(camera);
   const auto set = [&](std::string_view field, const std::string& value) {
     sequence.then([&](const Outline& now) { return set_crt_field(now, camera, field, value); });
   };

@@ -12,6 +12,7 @@
 #include "scenes/edit/x3d_edit.h"
 #include "scenes/edit/x3d_rotation.h"
 #include "scenes/edit/x3d_units.h"
+#include "scenes/formats/x3d/document/x3d_nodes.h"
 
 namespace tessera::edit {
 
@@ -24,28 +25,90 @@ std::string name_of_camera(const Entity& entity) {
   return description.empty() ? "Viewpoint" : description;
 }
 
-Triple divided(const Triple& t, double by) { return {t[0] / by, t[1] / by, t[2] / by}; }
-
-/// The pose with its lengths in the document's unit.
-CameraPose in_lengths(CameraPose pose, double unit) {
-  pose.eye = divided(pose.eye, unit);
-  pose.target = divided(pose.target, unit);
-  if (pose.orthographic) *pose.orthographic /= unit;
-  return pose;
+/// The matrix of a node that places what it holds: T C R SR S -SR -C, as the reader has it. Nothing
+/// where a field has no numbers.
+std::optional<Affine> placement_of(const Entity& node, double angle_unit) {
+  const auto vector = [&](std::string_view field, std::string_view otherwise) {
+    return read_triple(written_text(node, field, otherwise));
+  };
+  const auto turn = [&](std::string_view field) {
+    return read_axis_angle(written_text(node, field, "0 0 1 0"), angle_unit);
+  };
+  const auto shift = vector("translation", "0 0 0"), center = vector("center", "0 0 0");
+  const auto scale = vector("scale", "1 1 1");
+  const auto rotation = turn("rotation"), scale_rotation = turn("scaleOrientation");
+  if (!shift || !center || !scale || !rotation || !scale_rotation) return {};
+  const Affine scale_axes = rotation_of(*scale_rotation);
+  return translation(to_vec(*shift) + to_vec(*center)) * rotation_of(*rotation) * scale_axes *
+         scaling(to_vec(*scale)) * inverse(scale_axes) * translation(-to_vec(*center));
 }
 
-/// The window of an OrthoViewpoint, as the view has it.
-std::string window_of(double height) {
+/// What leads from the axes that the camera's numbers are in to the world's.
+struct CameraAxes {
+  Affine to_world;
+  std::optional<Refusal> refusal;
+};
+
+CameraAxes axes_around(const Outline& outline, const Entity& camera, const X3dUnits& units) {
+  CameraAxes axes;
+  for (int above = camera.parent; above > 0;) {
+    const Entity& holder = outline.entities()[static_cast<size_t>(above)];
+    above = holder.parent;
+    if (holder.type == "PROTO" || holder.type == "ProtoDeclare")
+      return {{}, Refusal{"a Viewpoint of a prototype", "one of the scene itself", camera.range}};
+    if (!has_x3d_transform(holder.type)) continue;
+    const auto placement = placement_of(holder, units.angle);
+    if (!placement)
+      return {{},
+              Refusal{"a Transform around the Viewpoint that cannot be read",
+                      "three numbers, or four of a rotation", holder.range}};
+    axes.to_world = *placement * axes.to_world;
+  }
+  axes.to_world = scaling(Vec3{1, 1, 1} * units.length) * axes.to_world;
+  if (!is_invertible(axes.to_world))
+    axes.refusal =
+        Refusal{"a Viewpoint in a flat Transform", "one that can be inverted", camera.range};
+  else if (axes.to_world.determinant() < 0)
+    axes.refusal = Refusal{"a Viewpoint in a Transform that mirrors, as its picture would be",
+                           "one without an odd number of negative scales", camera.range};
+  return axes;
+}
+
+/// The frame, with axes at right angles, in which a camera at `frame` sees.
+Affine seen_from(const Affine& frame) {
+  const Point3 eye = frame(Point3{});
+  return look_at(eye, eye - frame(Vec3{0, 0, 1}), frame(Vec3{0, 1, 0}));
+}
+
+/// The window of an OrthoViewpoint, as the view has it, in units of `unit` metres.
+std::string window_of(double height, double unit) {
   constexpr double kShare = 1e-6;
-  const std::string half = shortest_number(height / 2, height * kShare);
+  const std::string half = shortest_number(height / unit / 2, height / unit * kShare);
   return fmt::format("-{0} -{0} {0} {0}", half);
+}
+
+/// The eye in the camera's own axes, in the shortest numbers with which it stays where it is in the
+/// world; nothing where those in the text will do.
+std::optional<std::string> written_eye(const CameraPose& pose, const Affine& to_world,
+                                       const Triple& there) {
+  const Point3 eye = Point3{} + to_vec(pose.eye);
+  const double reach = length(to_vec(pose.target) - to_vec(pose.eye));
+  const double most = kSameFrame * std::max(1.0, reach);
+  const Point3 local = inverse(to_world)(eye);
+  double tolerance = kSameFrame * std::min(1.0, reach) / std::cbrt(to_world.determinant());
+  Triple made;
+  std::string text;
+  for (int i = 0; i < 12; ++i, tolerance /= 8) {
+    made = shortened({local.x, local.y, local.z}, there, tolerance, text);
+    if (length(to_world(Point3{} + to_vec(made)) - eye) <= most) break;
+  }
+  return made == there ? std::nullopt : std::optional(text);
 }
 
 }  // namespace
 
-Change write_xml_camera(const Outline& outline, std::string_view name, const CameraPose& asked) {
+Change write_xml_camera(const Outline& outline, std::string_view name, const CameraPose& pose) {
   const X3dUnits units = x3d_units(outline);
-  const CameraPose pose = in_lengths(asked, units.length);
   int camera = find_camera(outline, name, name_of_camera).value_or(-1);
   if (camera < 0 && !name.empty())
     return refuse(fmt::format("no Viewpoint '{}'", name), "a Viewpoint's name");
@@ -65,38 +128,42 @@ Change write_xml_camera(const Outline& outline, std::string_view name, const Cam
     if (camera < 0) return sequence.finish();
   }
   sequence.keep(camera);
-  const Entity& there = sequence.now().entities()[static_cast<size_t>(camera)];
+  const Entity there = sequence.now().entities()[static_cast<size_t>(camera)];
   if (!is_window && there.type != "Viewpoint")
     return refuse(fmt::format("the camera of {}", there.type), "a Viewpoint", there.range);
-  for (int above = there.parent; above > 0;
-       above = sequence.now().entities()[static_cast<size_t>(above)].parent)
-    if (sequence.now().entities()[static_cast<size_t>(above)].type == "Transform")
-      return refuse("a Viewpoint inside of a Transform", "one that stands in the scene itself",
-                    there.range);
+  const CameraAxes axes = axes_around(sequence.now(), there, units);
+  if (axes.refusal) return refuse(axes.refusal->found, axes.refusal->expected, axes.refusal->range);
   const auto set = [&](std::string_view field, const std::string& value) {
     sequence.then([&](const Outline& now) { return set_xml_field(now, camera, field, value); });
   };
-  const WrittenCamera written{
-      read_triple(written_text(there, "position", "0 0 10")).value_or(Triple{NAN, NAN, NAN}),
-      pose.target, pose.up};
-  const auto turn = read_axis_angle(written_text(there, "orientation", "0 0 1 0"), units.angle);
-  const auto number = typed_number(written_text(there, "fieldOfView"));
-  const CameraNumbers numbers = camera_numbers(pose, written, true);
-  if (numbers.eye) set("position", *numbers.eye);
-  const auto point = [](const Triple& t) { return Point3{t[0], t[1], t[2]}; };
+  const auto position = read_triple(written_text(there, "position", "0 0 10"));
+  if (const auto eye = written_eye(pose, axes.to_world, position.value_or(Triple{NAN, NAN, NAN})))
+    set("position", *eye);
+  // What leads from the axes around the camera turns its view and its up; both lengths and the
+  // angle between the two are the renderer's own.
   const Affine wanted =
-      look_at(point(pose.eye), point(pose.target), {pose.up[0], pose.up[1], pose.up[2]});
-  if (!turn || rotation_difference(wanted, rotation_of(*turn)) > kSameRotation)
-    set("orientation", written_axis_angle(axis_angle(wanted), units.angle));
+      look_at(Point3{} + to_vec(pose.eye), Point3{} + to_vec(pose.target), to_vec(pose.up));
+  const Affine local = seen_from(inverse(axes.to_world) * wanted);
+  const auto is_wanted = [&](const std::string& orientation) {
+    const auto turn = read_axis_angle(orientation, units.angle);
+    return turn && rotation_difference(wanted, seen_from(axes.to_world * rotation_of(*turn))) <=
+                       kSameRotation;
+  };
+  if (!is_wanted(written_text(there, "orientation", "0 0 1 0")))
+    set("orientation", written_axis_angle(axis_angle(local), units.angle, is_wanted));
   if (pose.orthographic) {
-    set("fieldOfView", window_of(*pose.orthographic));
+    set("fieldOfView", window_of(*pose.orthographic, std::cbrt(axes.to_world.determinant())));
   } else if (pose.field_of_view) {
     constexpr double kSame = 1e-8, kUsual = 0.7854;
     const double radians = portable::radians(*pose.field_of_view);
+    const auto number = typed_number(written_text(there, "fieldOfView"));
     const double old = number ? *number * units.angle : kUsual;
     if (std::abs(radians - old) > kSame)
       set("fieldOfView", shortest_number(radians / units.angle, kSame / units.angle));
   }
+  const std::string view_all = written_text(there, "viewAll");
+  if (view_all == "true" || view_all == "TRUE")
+    sequence.then([&](const Outline& now) { return reset_xml_field(now, camera, "viewAll"); });
   return sequence.finish();
 }
 

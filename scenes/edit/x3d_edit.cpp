@@ -296,8 +296,6 @@ Change add_xml(const Outline& outline, const EntityTemplate& wanted) {
     if (entity.type == "Scene" && !scene) scene = &entity;
   if (!scene) return refuse("a document without Scene", "<Scene> to add it to");
   const auto node = static_cast<int32_t>(scene->syntax);
-  if (tree[node].body.end == tree[node].range.end - 2)
-    return refuse("an empty <Scene/>", "<Scene> ... </Scene>", scene->range);
   const char quote = quote_of(outline, node);
   std::string text = "<" + made.type;
   for (const auto& [name, value] : made.fields) {
@@ -320,6 +318,11 @@ Change add_xml(const Outline& outline, const EntityTemplate& wanted) {
     if (xml_part(tree[k]) == XmlPart::element) last = k;
   const Layout layout(outline.text(), "");
   Change change;
+  const SourceRange slash{tree[node].range.end - 2, tree[node].range.end};
+  if (text_of(outline.text(), slash) == "/>") {
+    change.edits.push_back({slash, ">" + text + "</Scene>"});
+    return change;
+  }
   change.edits.push_back(last >= 0 ? layout.behind(tree[last].range, text)
                                    : layout.inside(scene->body, scene->range.begin, text,
                                                    indentation_unit(outline.text(), "  ")));

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 """Full pictures, workers, graphs, the log and animations in the studio's page."""
+import os
 import pathlib
 import re
 import shlex
+import signal
 import unittest
 
 import scenes
 from png import read_png
 from studio_browser import StudioPageTest
 from studio_case import SCENE
-from tessera_process import PATIENCE, PROGRAM, wait_until
+from tessera_process import PATIENCE, PROGRAM, is_worker, marked_processes, wait_until
 
 AXE = pathlib.Path(PROGRAM).parents[1] / "studio/page/work/node_modules/axe-core/axe.min.js"
 
@@ -94,6 +96,26 @@ class FarmPageTest(StudioPageTest):
         page.click_on(".log button", "wrong.tessera:2")
         self.until(page, lambda state: state["selection"]["line"] == 2, "the cursor is there")
 
+    def test_the_log_tells_how_long_scenes_took_to_be_read(self):
+        page = self.begin()
+        self.show(page, "Console")
+        reads = r"'scene\.tessera': read (in|\d+ times, each in) \d+\.\d"
+        self.has_words(page, ".log", reads, "it was read")
+        before = len(re.findall(reads, self.text_of(page, ".log")))
+        self.write_at(page, 1, " # one comment")
+        wait_until(lambda: len(re.findall(reads, self.text_of(page, ".log"))) > before, "and once more")
+
+    def test_a_worker_that_is_lost_is_not_counted(self):
+        page = self.begin("--workers", "2")
+        self.show(page, "Farm")
+        seen = """(() => [[...document.querySelectorAll('table[aria-label="Workers"] tbody tr')].map((each) =>
+            each.cells[1].textContent), document.querySelector(".status-bar").textContent.match(/(\\d+) worker/)[1]])()"""
+        wait_until(lambda: page.evaluate(seen) == [["active", "active"], "2"], "both are there")
+        os.kill([each for each in marked_processes(self.mark) if is_worker(each)][0], signal.SIGKILL)
+        states, count = wait_until(lambda: (found := page.evaluate(seen)) and "lost" in found[0] and found,
+                                   "one is lost")
+        self.assertEqual(str(len(states) - states.count("lost")), count)
+
     def test_an_animation_has_the_scenes_frames(self):
         self.scene("moving.tessera", scenes.MOVING.replace("frames { per_second: 10 }",
                                                            "frames { first: 1 last: 3 per_second: 10 }"))
@@ -106,6 +128,18 @@ class FarmPageTest(StudioPageTest):
         page.click_on(".animation button", "Make frames")
         wait_until(lambda: page.evaluate("document.querySelector('.frames').getAttribute('aria-label')") ==
                    "3 of 3 frames are there", "the frames are made")
+        # A comment changes none of them, so that nothing is traced.
+        other = self.page(self.running)
+
+        def tiles():
+            other.forget()
+            return [sum(each["tiles"] for each in other.receive("workers")["list"]) for _ in range(2)][1]
+        before = tiles()
+        self.write_at(page, 1, " # moves")
+        self.until(page, lambda state: state["picture"]["version"] == state["version"], "the text was read")
+        wait_until(lambda: page.evaluate("document.querySelector('.frames').getAttribute('aria-label')") ==
+                   "3 of 3 frames are there", "the frames are still right")
+        self.assertEqual(before, tiles())
         # It plays on where another panel covers its own.
         page.click_on(".animation button", "Play")
         self.show(page, "Farm")

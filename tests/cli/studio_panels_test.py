@@ -266,6 +266,49 @@ class Settings(PanelsTest):
         self.click_scrolled(page, ".view-options button", "Write settings to source")
         self.has_text(page, SCENE.replace("samples_per_pixel: 4", "samples_per_pixel: 9"), "the literal is replaced")
 
+    def test_the_view_has_a_size_of_its_own_until_it_goes_back(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+        page.click_at(*self.input_of(page, "Width"))
+        before = self.until_final(page)
+        own = before["view"]["width"], before["view"]["height"]
+        self.assertFalse(page.has(".view-bar .chip", "own settings"))
+        page.type("300")
+        page.click_at(*self.input_of(page, "Height"))
+        page.type("200")
+        self.until(page, lambda each: (each["view"]["width"], each["view"]["height"]) == (300, 200), "another size")
+        self.until(page, lambda each: each["picture"]["final"] and each["picture"]["serial"] > before["picture"]["serial"],
+                   "the last picture is shown")
+        wait_until(lambda: page.pixels()[:2] == (300, 200), "it has that size")
+        self.assert_same(self.rendered(size=(300, 200)), page.pixels()[2])
+        _, _, left, top, width, height = page.box(".view-frame")
+        self.assertAlmostEqual(1.5, width / height, delta=0.02)
+        # A click is on the pixel that is seen there.
+        page.click_at(left + width / 2, top + height / 2)
+        self.until(page, lambda each: each["selection"]["entity"] == "nodes[0]", "the ball is in the middle")
+        self.assertEqual(SCENE, page.script)
+        self.assertTrue(page.has(".setting.own", "Width"))
+        self.click_scrolled(page, '.view-options button[aria-label="height as the scene says"]')
+        self.until(page, lambda each: each["view"]["height"] == 54, "the scene says the height")
+        page.click_on(".view-bar .chip", "own settings")
+        self.until(page, lambda each: (each["view"]["width"], each["view"]["height"]) == own, "it is as the pane is")
+        self.assertFalse(page.has(".setting.own"))
+        self.assertFalse(page.has(".view-bar .chip", "own settings"))
+
+    def test_size_and_output_of_the_view_are_written_to_the_source(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+        page.click_at(*self.input_of(page, "Width"))
+        page.type("120")
+        page.evaluate("""(() => { const label = [...document.querySelectorAll(".view-options label")].find((each) =>
+            each.querySelector("span").textContent === "Tone map"), select = label.querySelector("select");
+            select.value = "filmic"; select.dispatchEvent(new Event("change", { bubbles: true })); })()""")
+        wait_until(lambda: page.has(".setting.own", "Tone map"), "it is marked")
+        self.assertEqual(SCENE, page.script)
+        self.click_scrolled(page, ".view-options button", "Write settings to source")
+        self.has_text(page, SCENE.replace("width: 96", "width: 120").replace(
+            "samples_per_pixel: 4 } }", "samples_per_pixel: 4 } output { tone_map: FILMIC } }"), "both are written")
+
 
 class Completion(PanelsTest):
     def test_words_of_the_language_are_proposed(self):

@@ -436,13 +436,36 @@ class Camera(StudioPageTest):
         free = self.moved("dragging", lambda: page.drag((x, y), (x + 60, y + 10)))
         self.write_at(page, 5, ANOTHER)
         page.press("Ctrl-S")
-        self.until_final(page)
+        before = self.until_final(page)
         self.assertEqual(free, page.state["camera"])
+        shown = page.pixels()
+        self.running.process.send_signal(signal.SIGSTOP)
+        try:
+            self.until(page, lambda state: state["connection"] == "lost", "the connection is lost")
+            self.assertEqual(free, page.state["camera"])
+        finally:
+            self.running.process.send_signal(signal.SIGCONT)
+        self.until(page, lambda state: state["connection"] == "open", "it is connected again")
+        # The picture that is made over the new connection is seen from there, too.
+        self.until_final(page, before)
+        self.assertEqual(free, page.state["camera"])
+        self.assert_same(shown, page.pixels())
         self.assertTrue(page.has(".chip", "free"))
         page.click_on(".view-frame")
         page.press("Home")
         self.until(page, lambda state: state["camera"]["mode"] == "scene", "Home leads back")
         self.assertTrue(page.has(".chip", "scene’s: front"))
+
+    def test_a_panorama_has_no_field_of_view_of_the_view(self):
+        page = self.browser_page
+        page.click_on(".view-options summary")
+        wait_until(lambda: page.has(".camera-fields", "Field of view"), "a perspective has one")
+        self.scene("scene.tessera", SCENE.replace('name: "front"', 'name: "front" spherical { }'))
+        wait_until(lambda: "spherical" in page.script, "the page follows the file")
+        wait_until(lambda: not page.has(".camera-fields", "Field of view"), "a panorama has none")
+        self.assertFalse(page.has(".camera-fields", "It spans"))
+        self.assertTrue(page.has(".camera-fields", "Target"))
+        self.until_final(page)
 
     def test_a_camera_that_was_moved_is_written_to_the_one_that_it_was(self):
         page = self.browser_page

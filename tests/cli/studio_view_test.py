@@ -151,6 +151,32 @@ class Jobs(ViewTest):
         self.show(page)
         self.assertEqual(before, self.jobs(page))
 
+    def test_a_picture_that_the_page_knows_is_not_made_again(self):
+        self.text = MOVING_SCRIPT
+        page = self.begin(MOVING_SCRIPT, file="a.crt")
+        known = {}
+        for frame in (1, 2):
+            self.show(page, "a.crt", frame=frame)
+            known[frame] = page.receive("job", where=lambda job: job["state"] == "done")["digest"]
+            self.last_picture(page)
+        self.assertNotEqual(known[1], known[2])
+        made = self.jobs(page)
+        version = self.replace(page, 1, "Scene", "-- a comment\nScene", file="a.crt")
+        for frame in (1, 2, 1):
+            self.show(page, "a.crt", frame=frame, known=known[frame])
+            told = page.receive("job", where=lambda job: job.get("unchanged"))
+            self.assertEqual((frame, known[frame], version), (told["frame"], told["digest"], told["version"]))
+        self.assertEqual(made, self.jobs(page))
+        # Another frame from now on, and the same as before in frame 1.
+        version = self.replace(page, version, "vec3(t, 0, 0)", "vec3(2 * t - 1, 0, 0)", file="a.crt")
+        self.show(page, "a.crt", frame=1, known=known[1])
+        page.receive("job", where=lambda job: job.get("unchanged") and job["version"] == version)
+        self.assertEqual(made, self.jobs(page))
+        self.show(page, "a.crt", frame=2, known=known[2])
+        self.last_picture(page, version=version)
+        page.say("save", file="a.crt")
+        page.receive("saved")
+
     def test_tone_is_changed_without_tracing(self):
         page = self.begin()
         self.show(page)

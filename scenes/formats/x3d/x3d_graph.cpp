@@ -3,6 +3,7 @@
 #include <array>
 
 #include "proto/wire/scene_codec.h"
+#include "scenes/formats/x3d/document/x3d_nodes.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/to_affine.h"
@@ -28,10 +29,6 @@ bool holds_one_node(const X3dNodeType& type, std::string_view field) {
   return type.use == X3dNodeType::Use::read && !type.name.starts_with("Multi") &&
          !type.name.starts_with("HAnim") && field != "children" && field != "shaders" &&
          field != "attrib";
-}
-
-bool has_transform(std::string_view type) {
-  return type == "Transform" || type.starts_with("HAnim");
 }
 
 bool is_viewpoint(std::string_view type) { return type == "Viewpoint" || type == "OrthoViewpoint"; }
@@ -177,7 +174,7 @@ bool X3dTranslator::find_view(const X3dNode& parent, const v1::Transform& path, 
     }
     if (!is_group(child->type)) continue;
     v1::Transform inner = path;
-    if (has_transform(child->type)) inner.MergeFrom(transform(*child));
+    if (has_x3d_transform(child->type)) inner.MergeFrom(transform(*child));
     if (find_view(*child, inner, depth + 1, out)) return true;
   }
   return false;
@@ -211,7 +208,7 @@ void X3dTranslator::add_points(const X3dNode& parent, const v1::Transform& path,
   for (const X3dNode* child : shown_children(parent)) {
     if (is_group(child->type)) {
       v1::Transform inner = path;
-      if (has_transform(child->type)) inner.MergeFrom(transform(*child));
+      if (has_x3d_transform(child->type)) inner.MergeFrom(transform(*child));
       add_points(*child, inner, depth + 1, seen, out);
     }
     if (child->type != "Shape") continue;
@@ -278,7 +275,7 @@ void X3dTranslator::fill_node(const X3dNode& node, const v1::Transform& path, v1
   if (!values_.boolean(node, "visible", true)) out.set_hidden(true);
   if (node.type == "Shape") return add_shape(node, path, out);
   v1::Transform inner = path;
-  if (has_transform(node.type)) {
+  if (has_x3d_transform(node.type)) {
     *out.mutable_transform() = transform(node);
     inner.MergeFrom(out.transform());
   }

@@ -71,7 +71,7 @@ function report() {
       version: pane.painted.peek()?.version ?? 0,
       serial: pane.painted.peek()?.serial ?? 0,
     })),
-    workers: state.workers.peek().length || (state.welcome.peek()?.workers ?? 0),
+    workers: state.workerCount.peek(),
     frame: state.frame.peek(),
     theme: state.theme.peek(),
     contrast: state.contrast.peek(),

@@ -47,7 +47,7 @@ export const handlers: ProgramEvents["handlers"] = {
     if (firstWelcome) takeWorkspace(message.workspace, message.file);
     firstWelcome = false;
     resend();
-    frames.resumeCaching();
+    frames.askAnew();
   },
   files(message) {
     state.files.value = message.entries;

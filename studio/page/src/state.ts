@@ -79,7 +79,10 @@ export class Pane {
   readonly job = signal<JobReport | undefined>(undefined);
   readonly progress = signal<Progress | undefined>(undefined);
   readonly painted = signal<Painted | undefined>(undefined);
+  /** Of the picture, in its pixels. */
   readonly size = signal<[number, number]>([0, 0]);
+  /** Of what there is for it on the screen, in the screen's pixels; 0 where the pane is not seen. */
+  readonly area = signal<[number, number]>([0, 0]);
   readonly camera = signal<CameraWish>(null);
   readonly zoom = signal<Zoom>(WHOLE);
   /** The pixel that is pointed at. */
@@ -112,6 +115,8 @@ export const activePane = signal(main);
 export const hidden = signal<EntityRef[]>([]);
 export const solo = signal<EntityRef[]>([]);
 export const overrides = signal<Overrides>({});
+/** The size of the first pane's picture in place of the pane's own; of a side that is missing the scene says. */
+export const askedSize = signal<{ width?: number; height?: number }>({});
 export const channel = signal("light");
 export const tone = signal<Tone | null>(null);
 export const renderMode = signal<RenderMode>("typing");
@@ -120,6 +125,10 @@ export const paused = signal(false);
 export const probed = signal<ToPage["probed"] | undefined>(undefined);
 
 export const workers = signal<WorkerReport[]>([]);
+/** How many there are, without those that were lost; before they are told of, how many were started. */
+export const workerCount = computed(() =>
+  workers.value.length === 0 ? (welcome.value?.workers ?? 0) : workers.value.filter((each) => each.state !== "lost").length,
+);
 export const legend = signal<Legend | undefined>(undefined);
 /** Tiles since the page was loaded, by what they took. */
 export const tileTimes = signal<TileTimes | undefined>(undefined);

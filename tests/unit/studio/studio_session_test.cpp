@@ -7,7 +7,7 @@
 #include <span>
 
 #include "base/digest.h"
-
+#include "studio/reading_log.h"
 #include "tests/unit/studio/studio_session_case.h"
 
 namespace tessera {
@@ -335,6 +335,29 @@ TEST_F(StudioSessionTest, WhoSendsChunksWithoutWaitingIsShutOut) {
   session_.receive_binary(3, chunk_frame(7, "v", false), now_);
   act();
   EXPECT_EQ(closed_[3], 4401);
+}
+
+TEST(ReadingLogTest, TellsOfReadsOnceTheyRest) {
+  using std::chrono::milliseconds;
+  ReadingLog log;
+  const Time begin = std::chrono::seconds(5);
+  EXPECT_EQ(log.deadline(), Time::max());
+  log.note("a.tessera", .0042, begin);
+  EXPECT_EQ(log.deadline(), begin + ReadingLog::kRest);
+  EXPECT_TRUE(log.due(begin + milliseconds(999)).empty());
+  EXPECT_EQ(log.due(begin + milliseconds(1000)),
+            std::vector<std::string>{"'a.tessera': read in 4.2 ms"});
+  EXPECT_EQ(log.deadline(), Time::max());
+  // Someone types: no line a key.
+  for (int i = 0; i < 4; ++i) {
+    log.note("a.tessera", .003 + .001 * (3 - i), begin + milliseconds(2000 + 900 * i));
+    EXPECT_TRUE(log.due(begin + milliseconds(2000 + 900 * i)).empty());
+  }
+  log.note("b.crt", .25, begin + milliseconds(4800));
+  EXPECT_EQ(log.deadline(), begin + milliseconds(5700));
+  EXPECT_EQ(log.due(begin + milliseconds(5800)),
+            (std::vector<std::string>{"'a.tessera': read 4 times, each in 3.0 to 6.0 ms",
+                                      "'b.crt': read in 250.0 ms"}));
 }
 
 TEST_F(StudioSessionTest, WithoutSamplesNoneIsSeen) {

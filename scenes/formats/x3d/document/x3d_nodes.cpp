@@ -263,6 +263,10 @@ const X3dNodeType* find_x3d_node_type(std::string_view name) {
   return at == by_name.end() ? nullptr : at->second;
 }
 
+bool has_x3d_transform(std::string_view name) {
+  return name == "Transform" || name.starts_with("HAnim");
+}
+
 std::span<const std::string> x3d_node_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;

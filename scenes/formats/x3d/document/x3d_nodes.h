@@ -26,6 +26,8 @@ struct X3dNodeType {
 
 /// The type called `name`, or null.
 const X3dNodeType* find_x3d_node_type(std::string_view name);
+/// Whether the node places what it holds by a transform of its own.
+bool has_x3d_transform(std::string_view name);
 /// Every name, for suggestions.
 std::span<const std::string> x3d_node_names();
 

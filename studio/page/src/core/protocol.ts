@@ -67,6 +67,8 @@ export interface ViewWish {
   /** What is left out of the scene, and what is left alone; the text stays as it is. */
   hidden?: EntityRef[];
   solo?: EntityRef[];
+  /** The digest of the scene whose picture the page has: of that scene none is made, and `unchanged` is told. */
+  known?: string;
 }
 
 /** An entity of a file. */
@@ -355,6 +357,11 @@ export interface JobReport {
   /** Whether the pass has ended. */
   ended?: boolean;
   rays?: number;
+  /** Of the scene, where the pass has ended. */
+  digest?: string;
+  /** That frame is of the scene that the page knows the picture of. */
+  unchanged?: boolean;
+  frame?: number;
   width: number;
   height: number;
   state: JobState;

@@ -70,7 +70,6 @@ export function StatusBar() {
   const warnings = state.problems.value.length - errors;
   const { line, column, length } = state.caret.value;
   const latest = state.metrics.value[state.metrics.value.length - 1]?.values;
-  const workerCount = state.workers.value.length || (state.welcome.value?.workers ?? 0);
   return (
     <footer class="status-bar" aria-label="Status">
       <button type="button" class={errors > 0 ? "error" : ""} onClick={() => showPanel("Problems", true)}>
@@ -86,7 +85,7 @@ export function StatusBar() {
           <span>{shown.eol.toUpperCase()}</span>
         </>
       )}
-      <span>{count(workerCount, "worker")}</span>
+      <span>{count(state.workerCount.value, "worker")}</span>
       {latest?.memory !== undefined && <span>{short(latest.memory)}B</span>}
       {state.connection.value === "lost" ? (
         <button type="button" class="error" onClick={program.retryNow}>{CONNECTION.lost}: try now</button>

@@ -5,7 +5,7 @@ import * as documents from "../documents.js";
 import { select } from "../entities.js";
 import { showPanel } from "../layout/layout_state.js";
 import * as state from "../state.js";
-import { currentCamera, moveCamera } from "../view/wish.js";
+import { currentCamera, isPanoramic, moveCamera } from "../view/wish.js";
 import { NumberField } from "./number_field.js";
 
 type VectorName = "eye" | "target" | "up";
@@ -53,18 +53,22 @@ function Lens({ name }: { name: string | undefined }) {
 export function CameraFields() {
   const camera = currentCamera();
   if (!camera) return null;
+  // A panorama keeps its own, and parallel rays have none.
+  const hasAngle = camera.orthographic === undefined && !isPanoramic(state.main);
   return (
     <div class="camera-fields">
       <VectorField label="Eye" name="eye" camera={camera} />
       <VectorField label="Target" name="target" camera={camera} />
       <VectorField label="Up" name="up" camera={camera} />
-      <NumberField label="Field of view" unit="°" text={written(camera.fov)} rules={{ range: [0, 180], open: true }} commit={(text) => moveCamera({ ...camera, fov: Number(text) }, true)} />
-      <label class="field">
-        <span>It spans</span>
-        <select value={camera.axis ?? "smaller"} onChange={(event) => moveCamera({ ...camera, axis: event.currentTarget.value as FreeCamera["axis"] }, false)}>
-          {["smaller", "horizontal", "vertical"].map((each) => <option key={each} value={each}>{each}</option>)}
-        </select>
-      </label>
+      {hasAngle && <NumberField label="Field of view" unit="°" text={written(camera.fov)} rules={{ range: [0, 180], open: true }} commit={(text) => moveCamera({ ...camera, fov: Number(text) }, true)} />}
+      {hasAngle && (
+        <label class="field">
+          <span>It spans</span>
+          <select value={camera.axis ?? "smaller"} onChange={(event) => moveCamera({ ...camera, axis: event.currentTarget.value as FreeCamera["axis"] }, false)}>
+            {["smaller", "horizontal", "vertical"].map((each) => <option key={each} value={each}>{each}</option>)}
+          </select>
+        </label>
+      )}
       {camera.orthographic !== undefined && <NumberField label="Height seen" unit="m" text={written(camera.orthographic)} rules={{ range: [0, Infinity], open: true }} commit={(text) => moveCamera({ ...camera, orthographic: Number(text) }, true)} />}
       <Lens name={camera.name} />
     </div>

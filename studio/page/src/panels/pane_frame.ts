@@ -9,7 +9,6 @@ import { main, type Pane } from "../state.js";
 import * as compare from "../view/compare.js";
 import { crossHairKey, pixelOf, watchPointer } from "../view/navigation.js";
 import { drawOutlines } from "../view/parts.js";
-import { resized } from "../view/wish.js";
 import { drawWorkerTiles } from "../view/worker_tiles.js";
 import type { Layer } from "../worker/messages.js";
 
@@ -85,10 +84,6 @@ export function paneFrame(pane: Pane): HTMLElement {
   effect(() => {
     sheet.style.transform = transformOf(pane.zoom.value);
   });
-  new ResizeObserver(([entry]) => {
-    const { width, height } = entry!.contentRect;
-    if (width > 0 && height > 0) resized(pane, width, height);
-  }).observe(frame);
   watchPointer(pane, { frame, sheet });
   frame.addEventListener("keydown", (event) => {
     // A pointer that rests over another pane does not take its keys.

@@ -1,7 +1,8 @@
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { SIDES, type Side } from "../core/camera.js";
 import { Separator } from "../layout/splitter.js";
 import * as state from "../state.js";
-import { moveCamera } from "../view/wish.js";
+import { moveCamera, resized } from "../view/wish.js";
 import { Adopt } from "./adopt.js";
 import { Compare } from "./compare.js";
 import { Hover } from "./hover.js";
@@ -40,18 +41,37 @@ function SideChoice({ pane, side }: { pane: state.Pane; side: Side }) {
   );
 }
 
+/** A picture of another shape than its pane has the largest part of it that is of its own. */
+function fitted(pane: state.Pane) {
+  const [width, height] = pane.size.value;
+  const [across, down] = pane.area.value;
+  const scale = Math.min(across / width, down / height);
+  return scale > 0 ? { width: `${(100 * width * scale) / across}%`, height: `${(100 * height * scale) / down}%` } : {};
+}
+
 function PaneView({ pane }: { pane: state.Pane }) {
   const { value: side } = pane.side;
   const isMain = pane === state.main;
+  const host = useRef<HTMLDivElement>(null);
+  useLayoutEffect(() => {
+    const observer = new ResizeObserver(([entry]) => {
+      const { width, height } = entry!.contentRect;
+      if (width > 0 && height > 0) resized(pane, width, height);
+    });
+    observer.observe(host.current!);
+    return () => observer.disconnect();
+  }, [pane]);
   return (
-    <div class={`pane ${state.activePane.value === pane ? "active" : ""}`} role="group" aria-label={side ? `Pane ${pane.number + 1}, ${side}` : "Pane 1, camera"}>
-      <Adopt element={paneFrame(pane)} />
-      {side && <SideChoice pane={pane} side={side} />}
-      <Hover pane={pane} />
-      {isMain && <Legend />}
-      {isMain && <WorkerLegend />}
-      {isMain && <Compare />}
-      {isMain && <Playback />}
+    <div ref={host} class={`pane ${state.activePane.value === pane ? "active" : ""}`} role="group" aria-label={side ? `Pane ${pane.number + 1}, ${side}` : "Pane 1, camera"}>
+      <div class="pane-picture" style={fitted(pane)}>
+        <Adopt element={paneFrame(pane)} />
+        {side && <SideChoice pane={pane} side={side} />}
+        <Hover pane={pane} />
+        {isMain && <Legend />}
+        {isMain && <WorkerLegend />}
+        {isMain && <Compare />}
+        {isMain && <Playback />}
+      </div>
     </div>
   );
 }

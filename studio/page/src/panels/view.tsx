@@ -9,7 +9,7 @@ import { moveCamera, pauseOrResume, refresh, sceneCameras, stop, titleOfCamera }
 import { Chain } from "./chain.js";
 import { PinButton } from "./compare.js";
 import { PaneCount, Panes } from "./panes.js";
-import { ViewOptions } from "./view_options.js";
+import { OwnSettings, ViewOptions } from "./view_options.js";
 
 const SPOKEN_EVERY_MS = 2000;
 
@@ -26,7 +26,7 @@ export function currentWords(): ViewWords {
     progress: state.progress.value,
     paused: state.paused.value,
     reading: isReading.value,
-    workers: state.workers.value.length || (state.welcome.value?.workers ?? 0),
+    workers: state.workerCount.value,
   });
 }
 
@@ -87,6 +87,7 @@ export function ViewPanel() {
       <div class="bar view-bar">
         <span id="view-words" class="view-words" title={words.words}><span class={`state-${words.state}`}>{words.words}</span></span>
         <Filtered />
+        <OwnSettings />
         <Zoomed />
         <Cameras />
         <PinButton />

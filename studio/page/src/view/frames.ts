@@ -1,5 +1,6 @@
 // Pictures of the animation's frames, which the program makes while it has nothing better to do: all of
-// them coarse first, then as large as the view.
+// them coarse first, then as large as the view. Where the text is another, each is asked about, and made anew if its
+// scene is another.
 
 import { effect, signal } from "@preact/signals";
 import * as program from "../program.js";
@@ -15,6 +16,10 @@ export type FrameState = "none" | "coarse" | "whole" | "failed";
 interface Frame {
   image?: ImageData;
   state: FrameState;
+  /** Of its scene. */
+  digest?: string | undefined;
+  /** Whether it is of the text as it is now. */
+  generation: number;
 }
 
 export const isCaching = signal(false);
@@ -26,14 +31,23 @@ export const shown = signal<ImageData | undefined>(undefined);
 let range: [first: number, last: number] = [0, -1];
 let frames = new Map<number, Frame>();
 let look = "";
+let version: number | undefined;
+/** Grows with each text. */
+let generation = 0;
 export const pane = new HiddenPane<{ frame: number; scale: number }>(state.PANES_ASIDE.frames, settle);
 
+/** Nothing where it is not known whether the frame is still right. */
+function current(frame: number): Frame | undefined {
+  const known = frames.get(frame);
+  return known?.generation === generation ? known : undefined;
+}
+
 export function stateOf(frame: number): FrameState {
-  return frames.get(frame)?.state ?? "none";
+  return current(frame)?.state ?? "none";
 }
 
 export function imageOf(frame: number): ImageData | undefined {
-  return frames.get(frame)?.image;
+  return current(frame)?.image;
 }
 
 /** Has the frames of that range made; those of another look are forgotten. */
@@ -49,10 +63,10 @@ export function stopCaching(): void {
   pane.forget();
 }
 
-/** All that decides the pictures beside frame and size. */
+/** All that decides the pictures beside the frame and its scene. */
 function currentLook(): string {
   return JSON.stringify([
-    state.sceneFile.value, state.summary.value?.version, state.viewSize.value, state.camera.value, state.overrides.value,
+    state.sceneFile.value, state.viewSize.value, state.camera.value, state.overrides.value,
     state.channel.value, state.tone.value, state.hidden.value, state.solo.value,
   ]);
 }
@@ -60,19 +74,21 @@ function currentLook(): string {
 export function watchFrames(): void {
   effect(() => {
     const now = currentLook();
-    if (now === look) return;
+    const read = state.summary.value?.version;
+    if (now === look && read === version) return;
+    if (now !== look) frames = new Map();
     look = now;
-    frames = new Map();
-    pane.forget();
-    shown.value = undefined;
-    revision.value = revision.peek() + 1;
-    if (isCaching.peek()) next();
+    version = read;
+    askAnew();
   });
 }
 
-/** Asks a program anew that does not know of the frame that was asked for. */
-export function resumeCaching(): void {
+/** Whether the frames are right is to be asked: the text is another, or the program, which does not know what it was asked for. */
+export function askAnew(): void {
+  ++generation;
   pane.forget();
+  shown.value = undefined;
+  revision.value = revision.peek() + 1;
   next();
 }
 
@@ -87,18 +103,21 @@ function next(): void {
     for (let frame = range[0]; frame <= range[1]; ++frame) {
       const known = stateOf(frame);
       if (known === "whole" || known === "failed" || (known === "coarse" && scale > 1)) continue;
+      const digest = known === "none" ? frames.get(frame)?.digest : undefined;
       pane.ask({ frame, scale }, {
         file, size, frame, camera: state.camera.peek(), mode: "typing",
         overrides: state.overrides.peek(), channel: state.channel.peek(), tone: state.tone.peek(),
         hidden: state.hidden.peek(), solo: state.solo.peek(),
-      });
+        ...(digest === undefined ? {} : { known: digest }),
+      }, version);
       return;
     }
   }
 }
 
-function settle({ frame, scale }: { frame: number; scale: number }, image: ImageData | null): void {
-  frames.set(frame, image ? { image, state: scale > 1 ? "coarse" : "whole" } : { state: "failed" });
+function settle({ frame, scale }: { frame: number; scale: number }, image: ImageData | null | undefined, digest?: string): void {
+  if (image === undefined) frames.set(frame, { ...frames.get(frame)!, generation });
+  else frames.set(frame, image ? { image, state: scale > 1 ? "coarse" : "whole", digest, generation } : { state: "failed", generation });
   revision.value = revision.peek() + 1;
   next();
 }

@@ -6,12 +6,13 @@ import type { Painted } from "../worker/messages.js";
 
 /** Asks for one picture at a time; `What` tells the caller which one it is. */
 export class HiddenPane<What> {
-  private current: { what: What; file: string; done?: number; painted?: number } | undefined;
+  private current: { what: What; wish: Omit<ViewWish, "pane">; version: number; done?: JobReport; painted?: number } | undefined;
 
-  /** `settle` is called with each picture that was asked for, or null where the program could make none. */
+  /** `settle` is called with each picture that was asked for and the digest of its scene; with null where the program
+      could make none, and with nothing where the one that is known is still right. */
   constructor(
     private readonly number: number,
-    private readonly settle: (what: What, image: ImageData | null) => void,
+    private readonly settle: (what: What, image: ImageData | null | undefined, digest?: string) => void,
   ) {}
 
   /** What is asked for and has not come yet. */
@@ -19,11 +20,11 @@ export class HiddenPane<What> {
     return this.current?.what;
   }
 
-  /** Returns false where there is no connection. */
-  ask(what: What, wish: Omit<ViewWish, "pane">): boolean {
+  /** `version`: of the text, at least, that what is known is held against. Returns false where there is no connection. */
+  ask(what: What, wish: Omit<ViewWish, "pane">, version = 0): boolean {
     program.toWorker({ kind: "size", pane: this.number, width: wish.size[0], height: wish.size[1] });
     if (!program.send("view", { ...wish, pane: this.number })) return false;
-    this.current = { what, file: wish.file };
+    this.current = { what, wish, version };
     return true;
   }
 
@@ -34,10 +35,14 @@ export class HiddenPane<What> {
 
   noteJob(job: JobReport): void {
     const { current } = this;
-    if (job.pane !== this.number || job.file !== current?.file) return;
+    if (job.pane !== this.number || job.file !== current?.wish.file) return;
     if (job.state === "failed" || job.stale) this.finish(null);
-    else if (job.state === "done") {
-      current.done = job.serial;
+    else if (job.unchanged) {
+      // Not of what was asked for before.
+      const isMeant = job.frame === current.wish.frame && job.digest === current.wish.known && job.version >= current.version;
+      if (isMeant) this.finish(undefined);
+    } else if (job.state === "done" && job.serial !== undefined) {
+      current.done = job;
       this.take();
     }
   }
@@ -51,15 +56,16 @@ export class HiddenPane<What> {
   /** Once the last pass is told to be done and its pixels are there. */
   private take(): void {
     const { current } = this;
-    if (!current || current.done === undefined || current.done !== current.painted) return;
+    if (current?.done === undefined || current.done.serial !== current.painted) return;
+    const { digest } = current.done;
     void program.pixels(this.number).then((image) => {
-      if (this.current === current) this.finish(image);
+      if (this.current === current) this.finish(image, digest);
     });
   }
 
-  private finish(image: ImageData | null): void {
+  private finish(image: ImageData | null | undefined, digest?: string): void {
     const { what } = this.current!;
     this.current = undefined;
-    this.settle(what, image);
+    this.settle(what, image, digest);
   }
 }

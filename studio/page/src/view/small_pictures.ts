@@ -48,7 +48,7 @@ function next(): void {
   if (isAsked) waiting.shift();
 }
 
-function settle(name: string, image: ImageData | null): void {
+function settle(name: string, image: ImageData | null = null): void {
   pictures.value = new Map(pictures.peek()).set(name, image);
   if (waiting.length === 0) program.send("close_view", { pane: state.PANES_ASIDE.samples });
   next();

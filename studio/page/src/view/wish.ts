@@ -12,7 +12,7 @@ import { showsWorkerTiles } from "./worker_tiles.js";
 /** Between two wishes of a pane, whatever the screen's frames: the program counts messages. */
 const LEAST_BETWEEN_MS = 14;
 const AFTER_MOVEMENT_MS = 150;
-const MOST_PIXELS = 33e6;
+export const MOST_PIXELS = 33e6;
 /** What is fitted where a scene has nothing that ends. */
 const NOTHING: [Vector, Vector] = [[-1, -1, -1], [1, 1, 1]];
 
@@ -51,7 +51,7 @@ class Sender {
 
   /** The pane is not seen any more. */
   hide(): void {
-    if (this.pane.size.peek()[0] !== 0) this.pane.size.value = [0, 0];
+    if (this.pane.area.peek()[0] !== 0) this.pane.area.value = [0, 0];
     this.close();
   }
 
@@ -134,9 +134,23 @@ function wishedCamera(pane: state.Pane): CameraWish | undefined {
   return fittedAlong(summary?.bounds ?? NOTHING, side, width, height);
 }
 
+/** How large the pane's picture is to be: as the pane is, unless another size is asked for. */
+function wishedSize(pane: state.Pane): [number, number] {
+  const { width, height } = state.askedSize.value;
+  const { value: area } = pane.area;
+  if (pane !== state.main || area[0] === 0 || (width === undefined && height === undefined)) return area;
+  const [sceneWidth, sceneHeight] = state.summary.value?.size ?? area;
+  return [width ?? sceneWidth, height ?? sceneHeight];
+}
+
 /** Watches all that a wish is made of. */
 export function watchWishes(): void {
   for (const pane of state.panes) {
+    effect(() => {
+      const [width, height] = wishedSize(pane);
+      const [oldWidth, oldHeight] = pane.size.peek();
+      if (width !== oldWidth || height !== oldHeight) pane.size.value = [width, height];
+    });
     effect(() => {
       const isSeen = pane.number < state.paneCount.value;
       const hasScene = state.sceneFile.value !== undefined;
@@ -170,13 +184,13 @@ export function resend(): void {
   }
 }
 
-/** Takes the size of a pane's element. The program waits until it no longer changes. */
+/** Takes what a pane's element has for its picture. The program waits until it no longer changes. */
 export function resized(pane: state.Pane, width: number, height: number): void {
   if (pane.number >= state.paneCount.peek()) return;
   const ratio = Math.min(globalThis.devicePixelRatio || 1, Math.sqrt(MOST_PIXELS / Math.max(1, width * height)));
-  const size: [number, number] = [Math.round(width * ratio), Math.round(height * ratio)];
-  const old = pane.size.peek();
-  if (size[0] !== old[0] || size[1] !== old[1]) pane.size.value = size;
+  const area: [number, number] = [Math.round(width * ratio), Math.round(height * ratio)];
+  const old = pane.area.peek();
+  if (area[0] !== old[0] || area[1] !== old[1]) pane.area.value = area;
 }
 
 /** What the camera orbits about; nothing: what it looks at. */

@@ -210,6 +210,42 @@ TEST(StudioEdit, WritesTheCameraOfEveryCrtSample) {
   }
 }
 
+TEST(StudioEdit, WritesACameraIntoAScriptWithoutOne) {
+  CameraPose pose{{1, 2, -7.5}, {0, .5, 0}, {0, 1, 0}, 41.25, "vertical", {}};
+  const auto written = [&](const std::string& text) {
+    const Outline made = crt_text(text);
+    const Change change = write_camera(made, "gone", pose);
+    if (change.refusal) return change.refusal->found;
+    const std::string changed = applied(made, change);
+    const v1::Camera camera = read(changed).scene.cameras(0);
+    EXPECT_EQ(camera.perspective().field_of_view(), 41.25);
+    EXPECT_EQ(camera.world_from_camera().steps(0).matrix().rows(11), -7.5);
+    EXPECT_TRUE(write_camera(crt_text(changed), "", pose).edits.empty());
+    return changed;
+  };
+  const std::string camera =
+      "Camera { position -> vec3(1, 2, -7.5) pointing -> vec3(0, 0.5, 0) fov -> 41.25 }";
+  EXPECT_EQ(
+      written("-- a\nSettings {\n    title -> \"T\"\n    lights -> []\n}\nScene { }\n"),
+      "-- a\ncam = " + camera +
+          "\nSettings {\n    title -> \"T\"\n    camera -> cam\n    lights -> []\n}\nScene { }\n");
+  EXPECT_EQ(written("Settings { lights -> [] camera -> eye } Scene { }"),
+            "eye = " + camera + "\nSettings { lights -> [] camera -> eye } Scene { }")
+      << "the name that is there for it";
+  EXPECT_EQ(written("cam = 2 Settings { } Scene { }"),
+            "cam = 2 cam2 = " + camera + " Settings { camera -> cam2 } Scene { }");
+  EXPECT_EQ(
+      written("Settings {\n    width  -> 96\n    height -> 54\n}\nScene { }"),
+      "cam = " + camera +
+          "\nSettings {\n    width  -> 96\n    height -> 54\n    camera -> cam\n}\nScene { }");
+  EXPECT_EQ(written("Scene { }"), "a script without Settings");
+  EXPECT_EQ(written("a = 2 Settings { camera -> a } Scene { }"), "a");
+  pose.axis = "smaller";
+  EXPECT_EQ(written("Settings { } Scene { }"), "a field of view over the smaller axis");
+  const Outline two = crt_text("a = Camera { } Settings { camera -> a } Scene { }");
+  EXPECT_EQ(write_camera(two, "b", pose).refusal->found, "no Camera 'b'");
+}
+
 TEST(StudioEdit, KnowsTheObjectsOfTheCrtReader) {
   const auto names = crt_object_names();
   EXPECT_EQ(crt_words().size(), names.size() + 1) << "Settings is one of ours";

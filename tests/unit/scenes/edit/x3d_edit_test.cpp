@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "renderer/camera/camera.h"
 #include "scenes/formats/x3d/x3d_reader.h"
 #include "scenes/import/to_affine.h"
 #include "tests/unit/scenes/edit/edit_testing.h"
@@ -208,6 +209,79 @@ TEST(StudioEdit, WritesTheCameraOfEveryX3dSampleWhateverItMeasuresIn) {
   }
 }
 
+/// Whether the camera that the text has first sees from there, its right side on the right.
+void expect_seen_from(const CameraPose& pose, const std::string& text, Language language) {
+  SCOPED_TRACE(text);
+  const auto point = [](const std::array<double, 3>& t) { return Point3{t[0], t[1], t[2]}; };
+  const char* const name = language == Language::x3d ? "made.x3d" : "made.x3dv";
+  CameraSettings settings;
+  settings.world_from_camera =
+      to_affine(parse_x3d(text, name, {}).scene.cameras(0).world_from_camera());
+  const Camera got(settings, 16, 9);
+  settings.world_from_camera =
+      look_at(point(pose.eye), point(pose.target), point(pose.up) - Point3{});
+  const Camera wanted(settings, 16, 9);
+  EXPECT_LT(length(got.position() - wanted.position()), 5e-6);
+  EXPECT_LT(length(got.view() - wanted.view()), 5e-6);
+  EXPECT_LT(length(got.up() - wanted.up()), 5e-6);
+  EXPECT_LT(length(got.right() - wanted.right()), 5e-6);
+}
+
+TEST(StudioEdit, WritesAViewpointInTheAxesOfTheTransformsAroundIt) {
+  const CameraPose pose{{1, 2, 3}, {0, 0.5, 0.25}, {.1, 1, 0}, 40.0, "smaller", {}};
+  const auto written = [&](const std::string& head, const std::string& transform) {
+    const Outline made = x3d_text("<X3D version='3.3'>" + head + "<Scene><Transform " + transform +
+                                  "><Viewpoint/></Transform></Scene></X3D>");
+    const Change change = write_camera(made, "", pose);
+    if (change.refusal) return change.refusal->found;
+    const std::string text = applied(made, change);
+    expect_seen_from(pose, text, Language::x3d);
+    EXPECT_TRUE(write_camera(x3d_text(text), "", pose).edits.empty()) << text;
+    return text;
+  };
+  EXPECT_NE(written("", "translation='10 20 30'").find("<Viewpoint position='-9 -18 -27' "),
+            std::string::npos);
+  EXPECT_NE(written("", "scale='2 2 2'").find("position='0.5 1 1.5'"), std::string::npos);
+  EXPECT_NE(written("", "scale='7000 7000 7000'").find("position='0.0001428571 0.0002857143 "),
+            std::string::npos)
+      << "as near in the world, however long a unit is there";
+  written("", "translation='1 2 3' rotation='1 2 3 0.7' center='3 -1 2' scale='.5 .5 .5'");
+  written("", "rotation='0 0 1 1' scale='1 2 3' scaleOrientation='1 1 0 0.5' center='1 0 0'");
+  written("", "scale='-1 2 -3'");
+  written(
+      "<head><unit category='length' name='inch' conversionFactor='0.0254'/><unit "
+      "category='angle' name='degree' conversionFactor='0.0174532925'/></head>",
+      "translation='10 20 30' rotation='0 1 0 90'");
+  EXPECT_EQ(written("", "scale='1 0 1'"), "a Viewpoint in a flat Transform");
+  EXPECT_EQ(written("", "scale='1 -1 1'"),
+            "a Viewpoint in a Transform that mirrors, as its picture would be");
+  EXPECT_EQ(written("", "translation='1 2'"),
+            "a Transform around the Viewpoint that cannot be read");
+}
+
+TEST(StudioEdit, WritesAViewpointIntoAnEmptyScene) {
+  const CameraPose pose{{1, 2, 3}, {1, 2, 0}, {0, 1, 0}, 45.0, "smaller", {}};
+  const Outline made = x3d_text("<X3D version='4.0'><Scene/></X3D>");
+  EXPECT_EQ(applied(made, write_camera(made, "", pose)),
+            "<X3D version='4.0'><Scene><Viewpoint position='1 2 3' "
+            "fieldOfView='0.78539816'/></Scene></X3D>");
+}
+
+TEST(StudioEdit, WritesAViewpointInsideOfTransformsOfAClassicText) {
+  const CameraPose pose{{1, 2, 3}, {0, 0.5, 0.25}, {.1, 1, 0}, 40.0, "smaller", {}};
+  const Outline made = outline(
+      Language::classic_x3d,
+      "#X3D V3.3 utf8\nTransform { rotation 0 1 0 1 children [\n  DEF T Transform {\n    "
+      "translation 4 0 0 scale 2 1 1 children Viewpoint { viewAll TRUE }\n  }\n  USE T ]\n}\n");
+  const std::string text = applied(made, write_camera(made, "", pose));
+  expect_seen_from(pose, text, Language::classic_x3d);
+  EXPECT_FALSE(parse_x3d(text, "made.x3dv", {}).scene.cameras(0).frame_all());
+  EXPECT_TRUE(write_camera(outline(Language::classic_x3d, text), "", pose).edits.empty());
+  const Outline prototype =
+      outline(Language::classic_x3d, "#X3D V3.3 utf8\nPROTO P [] { Viewpoint { } }\nP { }\n");
+  EXPECT_EQ(write_camera(prototype, "", pose).refusal->found, "a Viewpoint of a prototype");
+}
+
 TEST(StudioEdit, WritesAWindowInTheUnitOfTheDocument) {
   const Outline made = x3d_text(
       "<X3D version='3.3'><head><unit category='length' name='cm' "
@@ -218,6 +292,12 @@ TEST(StudioEdit, WritesAWindowInTheUnitOfTheDocument) {
   EXPECT_NE(text.find("position='100 200 300'"), std::string::npos) << text;
   const v1::Orthographic window = parse_x3d(text, "made.x3d", {}).scene.cameras(0).orthographic();
   EXPECT_NEAR(window.max_y() - window.min_y(), 5, 1e-5);
+  const Outline scaled = x3d_text(
+      "<X3D version='3.3'><Scene><Transform scale='2 2 2'><OrthoViewpoint/></Transform></Scene>"
+      "</X3D>");
+  EXPECT_NE(
+      applied(scaled, write_camera(scaled, "", pose)).find("fieldOfView='-1.25 -1.25 1.25 1.25'"),
+      std::string::npos);
 }
 
 TEST(StudioEdit, FindsAViewpointByTheNameThatTheReaderGivesIt) {
