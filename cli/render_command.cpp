@@ -30,6 +30,7 @@
 #include "front/render_options.h"
 #include "front/tracing_farm.h"
 #include "renderer/image/image_file.h"
+#include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
@@ -289,10 +290,21 @@ class RenderRun {
     if (options_.trace && picture.report.trace)
       write_trace(statistics, frame_path(*options_.trace, frame));
     for (const std::string& warning : report_warnings(picture.report)) say_warning(warning);
+    warn_of_brightness(rendered, picture);
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
       print_end(picture, statistics, frame);
     }
+  }
+
+  void warn_of_brightness(const FrameRender& rendered, const RenderedPicture& picture) const {
+    const auto paths = picture_paths(options_);
+    if (!shows_light(rendered.settings().integrator()) ||
+        std::all_of(paths.begin(), paths.end(), holds_floats))
+      return;
+    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
+    for (const std::string& warning : brightness_warnings(picture.film, output))
+      say_warning(warning);
   }
 
   /// The timeline of the workers, and of this process around it.

@@ -5,6 +5,7 @@
 #include <google/protobuf/message.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "base/plural.h"
@@ -209,6 +210,32 @@ std::vector<std::string> report_warnings(const JobReport& report) {
                                                                        : "nodes with shapes"));
   }
   return warnings;
+}
+
+std::vector<std::string> brightness_warnings(const Film& film, const OutputSettings& settings) {
+  constexpr double kMuch = 0.2, kStays = 0.02;  // of the pixels
+  const bool cuts = settings.tone_curve == ToneCurve::clamp && !settings.color_management;
+  if (!cuts) return {};
+  const double white = std::exp2(-settings.exposure);
+  std::vector<float> brighter;  // the darkest channels of pixels that are white
+  const std::span<const float> values = film.values();
+  const auto channels = static_cast<size_t>(film.channels());
+  for (size_t i = 0; i < values.size(); i += channels) {
+    const float darkest = std::min({values[i], values[i + 1], values[i + 2]});
+    if (darkest > white) brighter.push_back(darkest);
+  }
+  const double pixels = static_cast<double>(values.size() / channels);
+  const double share = static_cast<double>(brighter.size()) / pixels;
+  if (share < kMuch) return {};
+  const auto staying =
+      brighter.begin() +
+      static_cast<ptrdiff_t>(kStays / share * static_cast<double>(brighter.size()));
+  std::nth_element(brighter.begin(), staying, brighter.end(), std::greater<>());
+  const double stops = std::floor(-2 * std::log2(double{*staying})) / 2;  // by halves
+  return {fmt::format(
+      "{:.0f} % of the picture is brighter than white; --exposure {:g} would show it, or "
+      "--tone-map filmic",
+      100 * share, std::max(stops, -100.0))};
 }
 
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded) {

@@ -5,6 +5,8 @@
 
 #include "front/render_options.h"
 #include "job/job.h"
+#include "renderer/film/film.h"
+#include "renderer/film/tone_map.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
@@ -17,6 +19,9 @@ std::vector<std::string> scene_warnings(const RenderOptions& options, const Load
 /// What of a picture that was traced is hardly what was meant: samples that were no colour, or
 /// nothing but the background.
 std::vector<std::string> report_warnings(const JobReport& report);
+/// That much of a picture is brighter than white, where its tone curve just cuts that off, and by
+/// how much less light it would show. `settings`: of files of integers.
+std::vector<std::string> brightness_warnings(const Film& film, const OutputSettings& settings);
 /// What the files that they go to will not hold.
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -64,7 +65,9 @@ struct Background {
   /// Also a lane each in lane_light-inl.h, to the bit.
   Vec2 place_in_panorama(const Vec3& turned) const;
   Color panorama_at(double s, double t) const {
-    return without_negative(picture->light(s, t)) * intensity;
+    // Beyond the outer rows' middles there is no other row: the zenith does not meet the nadir.
+    const double half = 0.5 / picture->settings().height;
+    return without_negative(picture->light(s, std::clamp(t, half, 1 - half))) * intensity;
   }
   /// Radiance along unit direction `d`, for a ray from `origin`.
   Color radiance(const Point3& origin, const Vec3& d, std::span<const Light> lights) const;

@@ -30,11 +30,15 @@ int64_t wrapped(int64_t i, int64_t size, ImageTextureSettings::Wrap wrap) {
   return -1;
 }
 
-Texel mix(const Texel& a, const Texel& b, double weight_of_b) {
-  return {mix(a.color, b.color, weight_of_b), a.alpha * (1 - weight_of_b) + b.alpha * weight_of_b};
-}
-
 }  // namespace
+
+Texel ImageTexture::mix(const Texel& a, const Texel& b, double weight_of_b) const {
+  const double alpha = a.alpha * (1 - weight_of_b) + b.alpha * weight_of_b;
+  // What is clear lends no colour to what is not.
+  const bool by_alpha = !settings_.is_associated && a.alpha != b.alpha && alpha > 0;
+  const double of_color = by_alpha ? b.alpha * weight_of_b / alpha : weight_of_b;
+  return {tessera::mix(a.color, b.color, of_color), alpha};
+}
 
 uint64_t ImageTextureSettings::bytes() const {
   uint64_t texels = 0;
@@ -122,8 +126,8 @@ Texel ImageTexture::bilinear(const Level& level, double s, double t) const {
       const auto channel_at = [&](int c) { return linear_[static_cast<size_t>(at[c])]; };
       return Color{channel_at(0), channel_at(1), channel_at(2)};
     };
-    return {mix(mix(color(x0, y0), color(x1, y0), x - left),
-                mix(color(x0, y1), color(x1, y1), x - left), y - top),
+    return {tessera::mix(tessera::mix(color(x0, y0), color(x1, y0), x - left),
+                         tessera::mix(color(x0, y1), color(x1, y1), x - left), y - top),
             1};
   }
   return mix(mix(texel_at(level, x0, y0), texel_at(level, x1, y0), x - left),
@@ -191,10 +195,9 @@ Texel ImageTexture::lookup(double s, double t, const Vec2& a, const Vec2& b) con
     const double at = (i + 0.5) / probes - 0.5;
     const Texel probe =
         trilinear(within_reach(s + along.x * at), within_reach(t + along.y * at), level);
-    sum.color += probe.color;
-    sum.alpha += probe.alpha;
+    sum = mix(sum, probe, 1.0 / (i + 1));
   }
-  return straight({sum.color * (1.0 / probes), sum.alpha / probes});
+  return straight(sum);
 }
 
 }  // namespace tessera

@@ -80,6 +80,7 @@ class ImageTexture {
   Texel texel(const Level& level, int64_t x, int64_t y) const;
   /// As texel() for places that wrapped() gave.
   Texel texel_at(const Level& level, int64_t x, int64_t y) const;
+  Texel mix(const Texel& a, const Texel& b, double weight_of_b) const;
   Texel bilinear(const Level& level, double s, double t) const;
   Texel trilinear(double s, double t, double level) const;
 

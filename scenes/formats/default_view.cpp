@@ -16,6 +16,7 @@ namespace tessera {
 namespace {
 
 constexpr double kFieldOfView = 35;  // degrees
+constexpr uint32_t kSamples = 4;     // a pixel, so that edges are smooth
 constexpr double kSoftBox = 32;      // degrees from the zenith towards the viewer
 
 /// The frame that looks along -back.
@@ -125,8 +126,11 @@ void add_background(v1::Scene& scene, const Frame& frame) {
   struct Ring {
     double angle, r, g, b;  ///< degrees from the middle of the soft box
   };
-  constexpr Ring kRings[] = {
-      {0, .8, .8, .8}, {18, .8, .8, .8}, {28, .2, .22, .25}, {110, .17, .19, .22}, {180, .05, .05, .06}};
+  constexpr Ring kRings[] = {{0, .8, .8, .8},
+                             {18, .8, .8, .8},
+                             {28, .2, .22, .25},
+                             {110, .17, .19, .22},
+                             {180, .05, .05, .06}};
   v1::Background& background = *scene.mutable_background();
   v1::Background::Rings& rings = *background.mutable_rings();
   for (const Ring& ring : kRings) {
@@ -156,6 +160,8 @@ void add_default_view(LoadedScene& loaded) {
   else if (!is_lit)
     add_headlights(scene, BoundsFinder(loaded).find());
   if (!scene.has_background()) add_background(scene, frame);
+  v1::Sampling& sampling = *scene.mutable_settings()->mutable_sampling();
+  if (!sampling.has_samples_per_pixel()) sampling.set_samples_per_pixel(kSamples);
 }
 
 }  // namespace tessera

@@ -88,19 +88,48 @@ class Texels {
   std::array<uint8_t, kSteps> code_at_{};  ///< of the least light of each step
 };
 
-/// The mean of four texels.
-void average(const Texels& texels, const std::array<const std::byte*, 4>& from, std::byte* to) {
+/// The texels of a row or column that one of the next level is the mean of, each by its share: up
+/// to three where their number is odd, so that all count alike (Guthe and Heckbert 2005,
+/// "Non-power-of- two mipmap creation").
+struct Taps {
+  size_t first = 0, count = 0;
+  std::array<float, 3> share{};
+};
+
+Taps taps_of(size_t texel, size_t texels, size_t of_next) {
+  Taps taps{.first = texel * texels / of_next};
+  const size_t end = (texel + 1) * texels;  // in parts of a texel, as many as the next level has
+  for (size_t at = texel * texels; at < end; ++taps.count) {
+    const size_t next = std::min((taps.first + taps.count + 1) * of_next, end);
+    taps.share[taps.count] = static_cast<float>(next - at) / static_cast<float>(texels);
+    at = next;
+  }
+  return taps;
+}
+
+/// The mean of texels that are `columns` of `rows` whose first one begins at `from`.
+void average(const Texels& texels, const std::byte* from, size_t row_bytes, size_t texel_bytes,
+             const Taps& columns, const Taps& rows, std::byte* to) {
+  const size_t count = columns.count * rows.count;
+  std::array<const std::byte*, 9> at;
+  std::array<float, 9> weight;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t x = i % columns.count, y = i / columns.count;
+    at[i] = from + (rows.first + y) * row_bytes + (columns.first + x) * texel_bytes;
+    weight[i] = columns.share[x] * rows.share[y];
+  }
   const uint32_t alpha_channel = texels.colors();
-  std::array<float, 4> weight{0.25f, 0.25f, 0.25f, 0.25f};
   if (texels.has_alpha()) {
     float sum = 0;
-    for (size_t i = 0; i < 4; ++i) sum += weight[i] = texels.get(from[i], alpha_channel);
-    texels.put(sum / 4, to, alpha_channel);
-    for (float& w : weight) w = sum > 0 ? w / sum : 0.25f;
+    std::array<float, 9> seen;
+    for (size_t i = 0; i < count; ++i)
+      sum += seen[i] = weight[i] * texels.get(at[i], alpha_channel);
+    texels.put(sum, to, alpha_channel);
+    for (size_t i = 0; i < count && sum > 0; ++i) weight[i] = seen[i] / sum;
   }
   for (uint32_t channel = 0; channel < texels.colors(); ++channel) {
     float mean = 0;
-    for (size_t i = 0; i < 4; ++i) mean += weight[i] * texels.get(from[i], channel);
+    for (size_t i = 0; i < count; ++i) mean += weight[i] * texels.get(at[i], channel);
     texels.put(mean, to, channel);
   }
 }
@@ -121,13 +150,9 @@ uint32_t add_mip_levels(DecodedTexture& texture, bool is_srgb) {
     bytes.resize(next + next_width * next_height * size);
     std::byte* const data = bytes.data();
     const auto average_row = [&](size_t y) {
-      const size_t y0 = 2 * y, y1 = std::min(y0 + 1, height - 1);
+      const Taps rows = taps_of(y, height, next_height);
       for (size_t x = 0; x < next_width; ++x) {
-        const size_t x0 = 2 * x, x1 = std::min(x0 + 1, width - 1);
-        const auto texel = [&](size_t column, size_t row) {
-          return data + offset + (row * width + column) * size;
-        };
-        average(texels, {texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)},
+        average(texels, data + offset, width * size, size, taps_of(x, width, next_width), rows,
                 data + next + (y * next_width + x) * size);
       }
     };

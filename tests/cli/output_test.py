@@ -130,6 +130,14 @@ class Render(TesseraTest):
             self.assertEqual(stats["tiles"]["total"], stats["tiles"]["done"])
         self.assertEqual((1, 1), (len(digests), len(counts)))
 
+    def test_a_picture_brighter_than_white_is_told(self):
+        self.write("bright.tessera", "background { solid { r: 4 g: 4 b: 4 } } nodes { shape { sphere { } } }")
+        warned = self.run_program("render", "bright.tessera", *SMALL, "--workers", "0")
+        self.assertRegex(warned.err, r"\d+ % of the picture is brighter than white; --exposure -2 would")
+        for options in (["--exposure", "-2"], ["-o", "bright.exr"], ["--tone-map", "filmic"]):
+            told = self.run_program("render", "bright.tessera", *SMALL, "--workers", "0", *options)
+            self.assertNotIn("brighter", told.err, options)
+
     def test_frames(self):
         result = self.run_program("render", self.scene, *SMALL, "--frames", "3-5", "-o", "anim.png")
         self.assertEqual(0, result.code, result.err)

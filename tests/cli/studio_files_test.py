@@ -273,7 +273,7 @@ class Life(StudioTest):
         path = self.scene()
         page = self.page(self.studio("--workers", 1, path=path))
         self.assertEqual((str(self.opened), "scene.tessera"), (page.welcome["folder"], page.welcome["file"]))
-        self.assert_error(self.run_program("studio", self.folder / "nothing", "--no-open"), 2, "nothing")
+        self.assert_error(self.run_program("studio", self.folder / "nothing", "--no-open"), 1, "nothing")
 
     def test_a_worker_that_crashes_costs_no_page(self):
         self.scene()

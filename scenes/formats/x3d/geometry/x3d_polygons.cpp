@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "base/plural.h"
 #include "renderer/math/bounds.h"
 #include "renderer/math/encodings.h"
 #include "scenes/formats/x3d/geometry/x3d_faces.h"

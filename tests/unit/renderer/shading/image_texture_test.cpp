@@ -126,6 +126,20 @@ TEST(ImageTexture, sums_along_a_long_patch) {
   EXPECT_NEAR(row.lookup(.5, .5, {.5, 0}, {0, 1}).color.r, .5, 1e-12);
 }
 
+TEST(ImageTexture, what_is_clear_lends_no_colour) {
+  // Opaque red and clear green in turns, and the same as one level less.
+  const std::initializer_list<int> texels = {255, 0,   0, 255, 0,   255, 0, 0,   255, 0, 0, 255,
+                                             0,   255, 0, 0,   255, 0,   0, 128, 255, 0, 0, 128};
+  const ImageTexture row({.width = 4, .height = 1, .channels = 4, .levels = 2}, bytes(texels));
+  for (const double s : {.125, .2, .25, .3, .45}) {
+    EXPECT_EQ(row.lookup(s, .5).color, (Color{1, 0, 0})) << s;
+    EXPECT_EQ(row.lookup(s, .5, {.4, 0}, {0, .3}).color, (Color{1, 0, 0})) << s;
+  }
+  EXPECT_NEAR(row.lookup(.25, .5).alpha, .5, 1e-12);
+  // All of it clear, it keeps its own, which materials without alpha show.
+  EXPECT_EQ(row.lookup(.375, .5).color, (Color{0, 1, 0}));
+}
+
 /// Eight texels in a row, of value 0, 1 ... 7 over 255, each of one colour.
 Background panorama(BackgroundKind kind, uint32_t width, uint32_t height) {
   Background background;
@@ -157,6 +171,15 @@ TEST(Panorama, turns_by_the_right_hand_rule) {
   EXPECT_EQ(seen(around, {-1, 0, -.1}), 4);
   around.angle += 40 * std::numbers::pi;
   EXPECT_EQ(seen(around, {-1, 0, -.1}), 4);
+}
+
+TEST(Panorama, its_zenith_does_not_meet_its_nadir) {
+  Background sky = panorama(BackgroundKind::panorama_equirectangular, 1, 8);
+  sky.picture = std::make_shared<ImageTexture>(
+      ImageTextureSettings{.width = 1, .height = 2, .channels = 1}, bytes({255, 0}));
+  EXPECT_EQ(seen(sky, {0, 1, -1e-9}), 255);
+  EXPECT_EQ(seen(sky, {0, -1, -1e-9}), 0);
+  EXPECT_EQ(std::round(seen(sky, {0, 0, -1})), 128);
 }
 
 TEST(Panorama, rows_are_angles_or_heights) {

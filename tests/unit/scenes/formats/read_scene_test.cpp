@@ -111,6 +111,7 @@ TEST_F(ReadScene, GivesABareModelAView) {
   ASSERT_EQ(loaded.scene.cameras_size(), 1);
   EXPECT_TRUE(loaded.scene.cameras(0).frame_all());
   EXPECT_FALSE(loaded.scene.cameras(0).has_headlight());
+  EXPECT_EQ(loaded.scene.settings().sampling().samples_per_pixel(), 4u);
   EXPECT_EQ(summarize(loaded.scene, loaded.blobs).undefined.size(), 0u);
 }
 

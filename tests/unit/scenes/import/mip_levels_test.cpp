@@ -27,15 +27,32 @@ TEST(MipLevels, halve_and_round_up_to_one) {
   DecodedTexture t = texture(5, 2, 1, {0, 20, 40, 60, 80, 0, 20, 40, 60, 80});
   EXPECT_EQ(add_mip_levels(t, false), 4u);  // 5x2, 3x1, 2x1, 1x1
   ASSERT_EQ(t.texels->size(), 10u + 3 + 2 + 1);
-  EXPECT_EQ(code(t, 10), 10);
-  EXPECT_EQ(code(t, 11), 50);
-  EXPECT_EQ(code(t, 12), 80);
-  EXPECT_EQ(code(t, 13), 30);
-  EXPECT_EQ(code(t, 14), 80);
-  EXPECT_EQ(code(t, 15), 55);
+  // Five texels are three of 5/3 each, and three are two of 3/2 each.
+  EXPECT_EQ(code(t, 10), 8);
+  EXPECT_EQ(code(t, 11), 40);
+  EXPECT_EQ(code(t, 12), 72);
+  EXPECT_EQ(code(t, 13), 19);
+  EXPECT_EQ(code(t, 14), 61);
+  EXPECT_EQ(code(t, 15), 40);
   DecodedTexture one = texture(1, 1, 3, {1, 2, 3});
   EXPECT_EQ(add_mip_levels(one, true), 1u);
   EXPECT_EQ(one.texels->size(), 3u);
+}
+
+TEST(MipLevels, each_texel_counts_alike_whatever_the_size) {
+  for (const uint32_t size : {1u, 3u, 7u, 33u, 65u, 100u}) {
+    for (uint32_t white = 0; white < size; ++white) {
+      DecodedTexture t{.width = size, .height = 1, .channels = 1, .bits = 32, .texels = {}};
+      std::vector<std::byte> texels(size * sizeof(float));
+      const float one = 1;
+      std::memcpy(&texels[white * sizeof one], &one, sizeof one);
+      t.texels = make_blob(std::move(texels));
+      add_mip_levels(t, false);
+      float mean;
+      std::memcpy(&mean, t.texels->data() + t.texels->size() - sizeof mean, sizeof mean);
+      EXPECT_NEAR(mean, 1.f / static_cast<float>(size), 1e-6f) << white << " of " << size;
+    }
+  }
 }
 
 TEST(MipLevels, take_means_of_light) {
@@ -64,8 +81,7 @@ TEST(MipLevels, take_the_nearest_code_of_any_mean) {
     DecodedTexture t = texture(2, 1, 1, {a, b});
     add_mip_levels(t, true);
     const auto light = [](int c) { return static_cast<float>(srgb_to_linear(c / 255.0)); };
-    float mean = 0;  // as the texels of one row count twice
-    for (const int c : {a, b, a, b}) mean += 0.25f * light(c);
+    const float mean = 0.5f * light(a) + 0.5f * light(b);
     int nearest = 255;
     while (nearest > 0 && from[static_cast<size_t>(nearest)] > mean) --nearest;
     ASSERT_EQ(code(t, 2), nearest) << a << " " << b;
