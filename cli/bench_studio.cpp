@@ -4,10 +4,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "bench/studio/studio_bench.h"
 #include "cli/add_options.h"
 #include "cli/command_line.h"
+#include "cli/interrupt.h"
 #include "cli/say.h"
 
 namespace tessera {
@@ -42,10 +44,16 @@ ExitCode bench(Options options) {
     options.bench.idle_seconds = 2;
     options.bench.triangles = 20'000;
   }
+  catch_interrupts();
+  options.bench.check = [] {
+    if (interrupted()) throw Error(ExitCode::interrupted, "interrupted");
+  };
+  options.bench.begin = [](std::string_view what) { say(stderr, "measuring: {}\n", what); };
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   bench_studio(options.bench, [&](const StudioBenchRow& row) {
     say("{:<58} {:>9.3f} {:<8} {:<8} {}{}\n", row.measure, row.value, row.unit, limit_of(row),
         row.note, row.misses() ? "  BEYOND" : "");
+    flush_output();
     rows.push_back(json_of(row));
   });
   if (!options.json_file.empty()) {

@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "base/monotonic.h"
@@ -21,7 +22,9 @@ constexpr std::chrono::milliseconds kBetweenLooks{20};
 
 }  // namespace
 
-Browser::Browser(const std::string& program, const std::filesystem::path& folder) {
+Browser::Browser(const std::string& program, const std::filesystem::path& folder,
+                 std::function<void()> check)
+    : check_(std::move(check)) {
   // What it says of missing buses and sandboxes is of no use here.
   process_ = start_process(
       "sh",
@@ -61,6 +64,7 @@ Browser::~Browser() {
 /// "PORT/devtools/browser/ID", as it writes them in two lines.
 std::string Browser::wait_for_port(const std::filesystem::path& folder) {
   for (const Time end = monotonic_now() + kBrowserPatience; monotonic_now() < end;) {
+    check_();
     std::string port, path;
     std::ifstream file(folder / "DevToolsActivePort");
     if (std::getline(file, port) && std::getline(file, path) && path.starts_with('/')) {
@@ -81,7 +85,9 @@ Json Browser::call(std::string_view method, const Json& parameters) {
   if (!session_.empty()) message["sessionId"] = session_;
   socket_->send(message.dump());
   for (const Time end = monotonic_now() + kBrowserPatience;;) {
-    const auto received = socket_->receive(end - monotonic_now());
+    check_();
+    const auto received = socket_->receive(kBetweenLooks);
+    if (!received && monotonic_now() < end) continue;
     if (!received) throw render_error(fmt::format("the browser did not answer {}", method));
     Json answer = Json::parse(received->content);
     if (answer.value("id", 0) != number) continue;

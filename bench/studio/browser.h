@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,8 +15,10 @@ namespace tessera {
 /// this machine. It is ended with this object.
 class Browser {
  public:
-  /// What it keeps goes to `folder`. Throws render_error where it does not come up.
-  Browser(const std::string& program, const std::filesystem::path& folder);
+  /// What it keeps goes to `folder`. Throws render_error where it does not come up. `check`: as of
+  /// StudioBenchOptions.
+  Browser(const std::string& program, const std::filesystem::path& folder,
+          std::function<void()> check);
   ~Browser();
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
@@ -38,6 +41,7 @@ class Browser {
   std::string wait_for_port(const std::filesystem::path& folder);
 
   int process_ = -1;
+  std::function<void()> check_;
   std::unique_ptr<WebSocketClient> socket_;
   std::string session_;
   int count_ = 0;

@@ -44,7 +44,8 @@ void add_browser_rows(const StudioBench& bench) {
   const StudioProcess& studio = bench.studio;
   const int rounds = bench.options.rounds;
   const TemporaryFolder folder("tessera-browser");
-  Browser browser(bench.options.browser, folder.path());
+  bench.options.begin("keys in the browser");
+  Browser browser(bench.options.browser, folder.path(), bench.options.check);
   const Time begin = monotonic_now();
   browser.call("Page.navigate",
                {{"url", fmt::format("http://{}/#token={}", studio.address(), studio.token())}});

@@ -125,7 +125,7 @@ void edits_and_pictures(const StudioBench& bench) {
 }
 
 double fresh_memory(const StudioBench& bench) {
-  const StudioProcess fresh(bench.folder);
+  const StudioProcess fresh(bench.folder, bench.options.check);
   const PageClient page = show(fresh, kLight, true);
   return static_cast<double>(resident_bytes_of(fresh.process())) / (1 << 20);
 }
@@ -149,9 +149,13 @@ void idle(const StudioBench& bench) {
 }  // namespace
 
 void add_lasting_rows(const StudioBench& bench) {
+  bench.options.begin("reconnecting");
   reconnect(bench);
+  bench.options.begin("full pictures");
   full_picture(bench);
+  bench.options.begin("memory after edits and pictures");
   edits_and_pictures(bench);
+  bench.options.begin("idling");
   idle(bench);
 }
 

@@ -13,6 +13,7 @@ namespace tessera {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::milliseconds kLongestWait{100};
 
 template <class Number>
 Number number_at(const std::string& frame, size_t offset) {
@@ -37,7 +38,8 @@ nlohmann::json header_of(const std::string& frame) {
 }  // namespace
 
 PageClient::PageClient(const StudioProcess& studio, Json hello)
-    : socket_(std::make_unique<WebSocketClient>(
+    : check_(studio.check()),
+      socket_(std::make_unique<WebSocketClient>(
           studio.address(), "/studio",
           WebSocketClient::Headers{.origin = "http://" + studio.address(),
                                    .subprotocol = "tessera-studio.1"})) {
@@ -70,8 +72,9 @@ std::optional<PageClient::Json> PageClient::receive_within(
   }
   const Time end = monotonic_now() + patience;
   while (monotonic_now() < end) {
-    auto message = socket_->receive(end - monotonic_now());
-    if (!message) break;
+    check_();
+    auto message = socket_->receive(std::min<Time>(end - monotonic_now(), kLongestWait));
+    if (!message) continue;
     std::pair<std::string, Json> read;
     if (message->binary) {
       read = {"pixels", header_of(message->content)};

@@ -40,6 +40,7 @@ class PageClient {
   const std::deque<std::pair<std::string, Json>>& kept() const { return kept_; }
 
  private:
+  std::function<void()> check_;
   std::unique_ptr<WebSocketClient> socket_;
   std::deque<std::pair<std::string, Json>> kept_;
 };

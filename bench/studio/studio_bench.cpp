@@ -46,7 +46,7 @@ void bench_studio(const StudioBenchOptions& options,
   const std::filesystem::path folder = temporary.path() / "scenes";
   std::filesystem::copy(options.scenes, folder, std::filesystem::copy_options::recursive);
   write_bench_scenes(folder, options.triangles);
-  const StudioProcess studio(folder);
+  const StudioProcess studio(folder, options.check);
   const StudioBench bench{options, folder, add, studio};
   add_view_rows(bench);
   add_lasting_rows(bench);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tessera {
@@ -28,6 +29,10 @@ struct StudioBenchOptions {
   int idle_seconds = 10;
   size_t triangles = 1'000'000;  ///< of the mesh beside an edited .mtl
   std::string browser;           ///< Chromium, for the rows of the page; empty: they are left out
+  /// Told what is measured next.
+  std::function<void(std::string_view)> begin = [](std::string_view) {};
+  /// Called again and again while the bench waits; what it throws ends the bench and its processes.
+  std::function<void()> check = [] {};
 };
 
 /// Starts a studio of its own and works with it as a page does: first over a WebSocket, then by

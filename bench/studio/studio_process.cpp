@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <regex>
+#include <utility>
 
 #include "base/error.h"
 #include "base/folder.h"
@@ -40,7 +41,8 @@ std::string read_line(int descriptor) {
 
 }  // namespace
 
-StudioProcess::StudioProcess(const std::filesystem::path& folder) {
+StudioProcess::StudioProcess(const std::filesystem::path& folder, std::function<void()> check)
+    : check_(std::move(check)) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw render_error("no pipe can be made");
   const OwnedDescriptor ours(ends[0]);

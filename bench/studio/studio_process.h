@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,9 @@ namespace tessera {
 /// `tessera studio` as a process, which is ended with this object.
 class StudioProcess {
  public:
-  /// Opens that folder on any free port. Throws render_error where it does not come up.
-  explicit StudioProcess(const std::filesystem::path& folder);
+  /// Opens that folder on any free port. Throws render_error where it does not come up. `check`: as
+  /// of StudioBenchOptions.
+  StudioProcess(const std::filesystem::path& folder, std::function<void()> check);
   ~StudioProcess();
   StudioProcess(const StudioProcess&) = delete;
   StudioProcess& operator=(const StudioProcess&) = delete;
@@ -18,11 +20,13 @@ class StudioProcess {
   const std::string& address() const { return address_; }  ///< "127.0.0.1:PORT"
   const std::string& token() const { return token_; }
   int process() const { return process_; }
+  const std::function<void()>& check() const { return check_; }
   /// Those that it has now.
   std::vector<int> workers() const;
 
  private:
   int process_ = -1;
+  std::function<void()> check_;
   std::string address_, token_;
 };
 

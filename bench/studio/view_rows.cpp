@@ -232,11 +232,17 @@ void drag(const StudioBench& bench) {
 }  // namespace
 
 void add_view_rows(const StudioBench& bench) {
+  bench.options.begin("keys");
   keys(bench);
+  bench.options.begin("keys beside a mesh");
   keys_beside_mesh(bench);
+  bench.options.begin("orbits");
   orbit(bench);
+  bench.options.begin("stopping");
   stop(bench);
+  bench.options.begin("picks");
   pick(bench);
+  bench.options.begin("dragged properties");
   drag(bench);
 }
 

@@ -367,17 +367,20 @@ class RendersTest(unittest.TestCase):
         page.receive("log", where=lambda each: any(re.search(r"full picture \d+ of 'a\.tessera'", line["text"])
                                                    for line in each["lines"]))
 
-    def test_nothing_is_logged_for_a_key(self):
+    def test_keys_are_logged_once_they_rest(self):
         page = self.studio().connect()
+
+        def is_of_reading(fields):
+            return any("'a.tessera': read" in line["text"] for line in fields["lines"])
         page.say("open", file="a.tessera")
         page.receive("document")
         page.say("view", pane=0, file="a.tessera", size=[40, 30])
         page.picture(where=lambda piece: piece.flags & 2)
-        page.receive("metrics")
+        page.receive("log", where=is_of_reading)
         page.forget()
         for version in range(1, 6):
             page.say("edit", file="a.tessera", base=version, changes=[[0, 0, f"# {version}\n"]])
-            page.receive("edited")
+        page.receive("log", where=is_of_reading)
         page.receive("metrics")
         page.receive("metrics")
         self.assertNotIn("log", [kind for kind, _ in page.waiting])

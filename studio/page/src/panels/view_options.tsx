@@ -80,7 +80,7 @@ function Side({ side, other, label }: { side: "width" | "height"; other: "width"
 export function OwnSettings() {
   const names = Object.keys(ownSettings.value);
   if (names.length === 0) return null;
-  return <button type="button" class="chip free" title={`The view has its own ${names.join(", ")}: back to what the scene says`} onClick={asTheSceneSays}>own settings ↺</button>;
+  return <button type="button" class="chip free" title={`The view has its own ${names.join(", ")}: back to what the scene says`} onClick={asTheSceneSays}>own settings</button>;
 }
 
 /** What an option takes, or nothing: then the scene says. */

@@ -277,6 +277,8 @@ RC_GTEST_PROP(SourceMap, RangesOfDamagedCrtNest, ()) {
   }
   (void)remove(outline, entity);
   (void)duplicate(outline, entity);
+  const Change camera = write_camera(outline, "", {{1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40.0, "", {}});
+  if (camera.is_made()) expect_nested(crt_text(apply_edits(text, camera.edits)));
 }
 
 TEST(SourceMap, DeepCrtEndsSomewhere) {

@@ -351,6 +351,8 @@ RC_GTEST_PROP(SourceMap, RangesOfDamagedX3dNest, ()) {
     const Change change = set_field(outline, entity, field.name, "3");
     if (change.is_made()) expect_nested(x3d_text(apply_edits(text, change.edits)));
   }
+  const Change camera = write_camera(outline, "", {{1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40.0, "", {}});
+  if (camera.is_made()) expect_nested(x3d_text(apply_edits(text, camera.edits)));
 }
 
 TEST(SourceMap, DeepTextsEndSomewhere) {
