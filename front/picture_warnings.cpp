@@ -224,8 +224,8 @@ std::vector<std::string> brightness_warnings(const Film& film, const OutputSetti
     const float darkest = std::min({values[i], values[i + 1], values[i + 2]});
     if (darkest > white) brighter.push_back(darkest);
   }
-  const double pixels = static_cast<double>(values.size() / channels);
-  const double share = static_cast<double>(brighter.size()) / pixels;
+  const size_t pixels = values.size() / channels;
+  const double share = static_cast<double>(brighter.size()) / static_cast<double>(pixels);
   if (share < kMuch) return {};
   const auto staying =
       brighter.begin() +

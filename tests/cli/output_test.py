@@ -132,10 +132,10 @@ class Render(TesseraTest):
 
     def test_a_picture_brighter_than_white_is_told(self):
         self.write("bright.tessera", "background { solid { r: 4 g: 4 b: 4 } } nodes { shape { sphere { } } }")
-        warned = self.run_program("render", "bright.tessera", *SMALL, "--workers", "0")
+        warned = self.run_program("render", "bright.tessera", *SMALL)
         self.assertRegex(warned.err, r"\d+ % of the picture is brighter than white; --exposure -2 would")
         for options in (["--exposure", "-2"], ["-o", "bright.exr"], ["--tone-map", "filmic"]):
-            told = self.run_program("render", "bright.tessera", *SMALL, "--workers", "0", *options)
+            told = self.run_program("render", "bright.tessera", *SMALL, *options)
             self.assertNotIn("brighter", told.err, options)
 
     def test_frames(self):
