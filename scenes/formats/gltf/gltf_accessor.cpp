@@ -52,12 +52,15 @@ size_t GltfAccessor::size_of(Component component) {
 }
 
 GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& value) : value_(value) {
-  constexpr std::array<std::string_view, 4> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
+  constexpr std::array<std::pair<std::string_view, size_t>, 5> kTypes{
+      {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}};
   component_ = component_of(value_["componentType"]);
   const GltfValue type = value_["type"];
-  const auto found = std::find(kTypes.begin(), kTypes.end(), type.text(""));
-  if (found == kTypes.end()) throw type.error(type.shown(), "SCALAR, VEC2, VEC3 or VEC4");
-  components_ = static_cast<size_t>(found - kTypes.begin()) + 1;
+  const std::string name = type.text("");
+  const auto found = std::find_if(kTypes.begin(), kTypes.end(),
+                                  [&](const auto& known) { return known.first == name; });
+  if (found == kTypes.end()) throw type.error(type.shown(), "SCALAR, VEC2, VEC3, VEC4 or MAT4");
+  components_ = found->second;
   normalized_ = value_["normalized"].flag(false) && component_ != Component::float32;
   const uint64_t count = value_["count"].required_whole();
   if (value_["bufferView"]) {

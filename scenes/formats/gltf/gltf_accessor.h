@@ -18,7 +18,7 @@ class GltfAccessor {
                                           std::string_view taken);
 
   size_t count() const { return count_; }
-  size_t components() const { return components_; }  ///< 1 to 4
+  size_t components() const { return components_; }  ///< 1 to 4; 16 of a matrix
   /// Whole numbers that are not normalised.
   bool is_whole() const { return component_ != Component::float32 && !normalized_; }
   bool is_float() const { return component_ == Component::float32; }

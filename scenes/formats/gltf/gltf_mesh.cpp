@@ -73,12 +73,14 @@ std::string GltfMeshes::Attributes::key() const {
       const auto index = target[attribute].whole();
       key += index ? fmt::format("{} ", *index) : "- ";
     }
+  for (const auto& [joints, shares] : influences)
+    key += fmt::format("{} {} ", joints.shown(), shares.shown());
   return key;
 }
 
 GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
                                                  std::optional<size_t> material,
-                                                 const Weights& weights) {
+                                                 const Weights& weights, bool is_bent) {
   const GltfValue in = primitive["attributes"];
   const auto use = [&](const std::string& name) {
     attributes_[name] = true;
@@ -89,7 +91,15 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
     in.repair("no " + uv, "the texture coordinates that its material uses", "TEXCOORD_0 is taken");
     uv = "TEXCOORD_0";
   }
-  Attributes out{use("POSITION"), use("NORMAL"), use(uv), use("COLOR_0"), use("TANGENT"), {}};
+  Attributes out{use("POSITION"), use("NORMAL"), use(uv), use("COLOR_0"), use("TANGENT"), {}, {}};
+  for (size_t set = 0; is_bent; ++set) {
+    const std::string joints = fmt::format("JOINTS_{}", set),
+                      shares = fmt::format("WEIGHTS_{}", set);
+    if (!in[joints.c_str()] || !in[shares.c_str()]) break;
+    out.influences.emplace_back(use(joints), use(shares));
+  }
+  if (is_bent && out.influences.empty())
+    in.repair("no joints", "JOINTS_0 and WEIGHTS_0, as its node has a skin", "it is shown unbent");
   for (const std::string& name : in.keys()) attributes_.try_emplace(name, false);
   const GltfValue targets = primitive["targets"];
   if (!weights.empty() && targets.size() != weights.size())
@@ -121,7 +131,7 @@ void GltfMeshes::list_unused_attributes() {
     if (!is_used) warnings_.add(fmt::format("attribute {} is not used", to_utf8(name)));
 }
 
-std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
+std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights, const GltfSkin* skin) {
   const GltfValue primitives = file_.element("meshes", index)["primitives"];
   std::vector<Group> groups;
   std::map<std::string, size_t> by_key;
@@ -137,7 +147,8 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
       continue;
     }
     const auto material = primitive["material"].index(file_.root()["materials"].size(), "material");
-    Attributes attributes = attributes_of(primitive, material, *by_number_[weights]);
+    Attributes attributes =
+        attributes_of(primitive, material, *by_number_[weights], skin != nullptr);
     if (!attributes.position) {
       warnings_.add("primitives without POSITION are left out");
       continue;
@@ -150,7 +161,7 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights) {
   std::vector<v1::Shape> shapes;
   for (Group& group : groups) {
     if (group.triangles.empty()) continue;
-    if (auto shape = finish(group)) shapes.push_back(std::move(*shape));
+    if (auto shape = finish(group, skin)) shapes.push_back(std::move(*shape));
   }
   return shapes;
 }
@@ -201,7 +212,8 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
   });
 }
 
-std::vector<float> GltfMeshes::rows(const GltfValue& reference, size_t width, const Group& group) {
+std::vector<float> GltfMeshes::rows(const GltfValue& reference, size_t width, const Group& group,
+                                    size_t least) {
   constexpr std::string_view kLeftOut = "it is left out";
   if (!reference) return {};
   const auto from = GltfAccessor::read(file_, reference, kLeftOut);
@@ -210,8 +222,7 @@ std::vector<float> GltfMeshes::rows(const GltfValue& reference, size_t width, co
     from->place().repair(fmt::format("{} rows", from->count()), "one a vertex", kLeftOut);
     return {};
   }
-  // A colour may be without alpha.
-  if (from->components() < std::min<size_t>(width, 3)) {
+  if (from->components() < std::min(width, least)) {
     reference.repair(fmt::format("rows of {}", from->components()),
                      fmt::format("{} numbers a row", width), kLeftOut);
     return {};
@@ -221,8 +232,8 @@ std::vector<float> GltfMeshes::rows(const GltfValue& reference, size_t width, co
 }
 
 std::vector<float> GltfMeshes::finite_rows(const GltfValue& reference, size_t width, float instead,
-                                           const Group& group) {
-  std::vector<float> out = rows(reference, width, group);
+                                           const Group& group, size_t least) {
+  std::vector<float> out = rows(reference, width, group, least);
   if (replace_endless(out, width, instead) > 0)
     reference.repair("numbers that are not finite", "finite numbers",
                      fmt::format("{} is taken", instead));
@@ -243,7 +254,33 @@ void GltfMeshes::add_targets(const char* attribute, const Group& group, std::vec
   }
 }
 
-std::optional<v1::Shape> GltfMeshes::finish(Group& group) {
+std::vector<GltfInfluences> GltfMeshes::influences(const Group& group, size_t joint_count) {
+  constexpr size_t kWidth = 4;
+  std::vector<GltfInfluences> out;
+  for (const auto& [joints, weights] : group.attributes.influences) {
+    GltfInfluences set{rows(joints, kWidth, group, kWidth),
+                       finite_rows(weights, kWidth, 0, group, kWidth)};
+    if (set.joints.empty() || set.weights.empty()) continue;
+    std::optional<float> lost, below;
+    for (size_t i = 0; i < set.weights.size(); ++i) {
+      const float joint = set.joints[i];
+      float& weight = set.weights[i];
+      const bool is_there =
+          joint >= 0 && joint < static_cast<float>(joint_count) && joint == std::floor(joint);
+      if (weight < 0 && !below) below = weight;
+      if (weight > 0 && !is_there && !lost) lost = joint;
+      if (weight < 0 || !is_there) weight = 0;
+    }
+    if (lost)
+      joints.repair(fmt::format("joint {}", *lost), fmt::format("0 to {}", joint_count - 1),
+                    "its weight is left out");
+    if (below) weights.repair(fmt::format("a weight of {}", *below), "0 or more", "0 is taken");
+    out.push_back(std::move(set));
+  }
+  return out;
+}
+
+std::optional<v1::Shape> GltfMeshes::finish(Group& group, const GltfSkin* skin) {
   const auto [least, most] = std::minmax_element(group.triangles.begin(), group.triangles.end());
   group.first = *least;
   group.last = *most + 1;
@@ -272,6 +309,7 @@ std::optional<v1::Shape> GltfMeshes::finish(Group& group) {
     for (uint32_t& index : group.triangles) index -= group.first;
   mesh.triangles = std::move(group.triangles);
   if (group.materials.size() > 1) mesh.face_materials = std::move(group.face_materials);
+  if (skin) bend_mesh(*skin, influences(group, skin->joints.size()), mesh);
   if (drop_unplaced(mesh) > 0)
     from.position.repair("numbers that are not finite in single precision", "finite numbers",
                          "the triangles there are left out");

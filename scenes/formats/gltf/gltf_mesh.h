@@ -7,6 +7,7 @@
 
 #include "scenes/formats/gltf/gltf_accessor.h"
 #include "scenes/formats/gltf/gltf_material.h"
+#include "scenes/formats/gltf/gltf_skin.h"
 #include "scenes/import/loaded_scene.h"
 #include "scenes/import/warnings.h"
 
@@ -27,30 +28,35 @@ class GltfMeshes {
   /// Warns of the attributes that no primitive so far was read with.
   void list_unused_attributes();
   /// The shapes of mesh `index` by the weights of that number, with their data among the scene's
-  /// blobs.
-  std::vector<v1::Shape> read(size_t index, size_t weights);
+  /// blobs: in the mesh's frame, or bent by a skin in the world's.
+  std::vector<v1::Shape> read(size_t index, size_t weights, const GltfSkin* skin);
 
  private:
   /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
   /// none.
   struct Attributes {
     GltfValue position, normal, uv, color, tangent;
-    std::vector<std::pair<GltfValue, double>> targets;  ///< with their weights
-    std::string key() const;                            ///< equal for equal accessors
+    std::vector<std::pair<GltfValue, double>> targets;        ///< with their weights
+    std::vector<std::pair<GltfValue, GltfValue>> influences;  ///< joints with their weights
+    std::string key() const;                                  ///< equal for equal accessors
   };
   struct Group;
 
   size_t number_of(const GltfValue& weights);
   Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material,
-                           const Weights& weights);
+                           const Weights& weights, bool is_bent);
   void add(const GltfValue& primitive, std::optional<size_t> material, Group& group);
   /// Nothing where no triangle is left.
-  std::optional<v1::Shape> finish(Group& group);
-  /// Of an attribute; empty where there is none, or not one row for each vertex.
-  std::vector<float> rows(const GltfValue& reference, size_t width, const Group& group);
+  std::optional<v1::Shape> finish(Group& group, const GltfSkin* skin);
+  /// Of an attribute; empty where there is none, or not one row of at least `least` numbers for
+  /// each vertex. A colour may be without alpha.
+  std::vector<float> rows(const GltfValue& reference, size_t width, const Group& group,
+                          size_t least = 3);
   /// The same with `instead` for rows that are not finite.
   std::vector<float> finite_rows(const GltfValue& reference, size_t width, float instead,
-                                 const Group& group);
+                                 const Group& group, size_t least = 3);
+  /// Of those that can be read, without the weights of joints that are not there.
+  std::vector<GltfInfluences> influences(const Group& group, size_t joint_count);
   /// The first three of each `width` numbers are what the targets move.
   void add_targets(const char* attribute, const Group& group, std::vector<float>& to,
                    size_t width = 3);

@@ -12,6 +12,7 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
 #include "scenes/formats/gltf/gltf_mesh.h"
+#include "scenes/formats/gltf/gltf_transform.h"
 #include "scenes/import/decimal.h"
 #include "scenes/import/picture_problem.h"
 
@@ -43,66 +44,6 @@ void put(const Vec3& from, v1::Vec3* to) {
   to->set_x(from.x);
   to->set_y(from.y);
   to->set_z(from.z);
-}
-
-Affine rotation_of(const GltfValue& value) {
-  constexpr double kRounding = 1e-3;  // of the decimals that programs write
-  const std::vector<double> q = value.numbers({0, 0, 0, 1});
-  const double x = q[0], y = q[1], z = q[2], w = q[3];
-  const double squared = x * x + y * y + z * z + w * w, length = std::sqrt(squared);
-  if (squared < std::numeric_limits<double>::min()) {
-    value.repair("a quaternion of length 0", "a unit one", "the node is not turned");
-    return {};
-  }
-  if (std::abs(length - 1) > kRounding)
-    value.repair(fmt::format("a quaternion of length {:.4g}", length), "a unit one",
-                 "its direction is taken");
-  const double s = 2 / squared;
-  Affine r;
-  r.m[0] = {1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), 0};
-  r.m[1] = {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x), 0};
-  r.m[2] = {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y), 0};
-  return r;
-}
-
-/// Returns the matrix with 0 0 0 1 as its last row: a projection cannot be kept, and other programs
-/// do not read that row either. It warns of a row that differs by more than products of single
-/// precision are rounded.
-Affine affine_of(const GltfValue& value) {
-  constexpr double kRounding = 1e-5;
-  const auto columns = value.numbers({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-  Affine out;
-  double largest = 1;  // of the 3x3 part
-  for (size_t i = 0; i < columns.size(); ++i) {
-    if (i % 4 == 3) continue;
-    out.m[i % 4][i / 4] = columns[i];
-    if (i < 12) largest = std::max(largest, std::abs(columns[i]));
-  }
-  for (size_t i = 3; i < columns.size(); i += 4)
-    if (!(std::abs(columns[i] - (i == 15 ? 1 : 0)) <= kRounding * largest))
-      value.repair(fmt::format("a last row of {} {} {} {}", columns[3], columns[7], columns[11],
-                               columns[15]),
-                   "0 0 0 1", "that is taken");
-  return out;
-}
-
-Affine transform_of(const GltfValue& node) {
-  constexpr size_t kNumbers = 16;
-  const GltfValue matrix = node["matrix"];
-  if (matrix.size() >= kNumbers) {
-    if (node["translation"] || node["rotation"] || node["scale"])
-      node.repair("a matrix beside translation, rotation or scale", "one or the other",
-                  "the matrix is taken");
-    return affine_of(matrix);
-  }
-  if (matrix.size() > 0)
-    matrix.repair(fmt::format("an array of {}", matrix.size()), "16 numbers", "it is left out");
-  const auto vec = [&](const char* key, double without) {
-    const auto v = node[key].numbers({without, without, without});
-    return Vec3{v[0], v[1], v[2]};
-  };
-  const Affine shift = translation(vec("translation", 0)), turn = rotation_of(node["rotation"]);
-  return shift * turn * scaling(vec("scale", 1));
 }
 
 /// Returns whether a text is a version number in [least, beyond).
@@ -153,8 +94,8 @@ class GltfReader {
       warnings_.add("animations are not read", count);
     meshes_.list_unused_attributes();
     list_unused("meshes", "mesh", [&](size_t i) {
-      const auto at = uses_.lower_bound({i, 0});
-      return at != uses_.end() && at->first.first == i;
+      const auto at = uses_.lower_bound({i});
+      return at != uses_.end() && at->first.mesh == i;
     });
     list_unused("materials", "material", [&](size_t i) { return materials_.is_used(i); });
     list_unused("textures", "texture", [&](size_t i) { return materials_.is_texture_used(i); });
@@ -165,20 +106,64 @@ class GltfReader {
   }
 
  private:
-  /// A mesh that is shown with the same weights is one.
-  using MeshUse = std::pair<size_t, size_t>;
+  /// A mesh that is shown with the same weights is one, but for nodes with a skin, each of which
+  /// bends its own.
+  struct MeshUse {
+    size_t mesh, weights = 0;
+    std::optional<size_t> bent_by{};  ///< the node
+    friend auto operator<=>(const MeshUse&, const MeshUse&) = default;
+  };
   struct Place {
     size_t node;
     Affine world;
     std::optional<MeshUse> mesh{};
   };
 
-  std::optional<MeshUse> mesh_of(const GltfValue& node) {
-    const GltfValue which = node["mesh"];
+  std::optional<MeshUse> mesh_of(size_t index) {
+    const GltfValue node = file_.element("nodes", index), which = node["mesh"];
     const auto mesh = which.index(file_.root()["meshes"].size(), "mesh");
     if (!mesh && which.if_whole()) file_.keep_problem(which.error("no mesh", "its index"));
     if (!mesh) return std::nullopt;
-    return MeshUse(*mesh, meshes_.weights(node, *mesh));
+    MeshUse use{*mesh, meshes_.weights(node, *mesh)};
+    if (skin_of(node)) use.bent_by = index;
+    return use;
+  }
+
+  std::optional<size_t> skin_of(const GltfValue& node) {
+    return node["skin"].index(file_.root()["skins"].size(), "skin", "the mesh is shown unbent");
+  }
+
+  /// Null for a node that is not shown.
+  const Affine* world_of(size_t node) {
+    constexpr size_t kNone = std::numeric_limits<size_t>::max();
+    if (place_of_.empty()) {
+      place_of_.resize(node_count(), kNone);
+      for (size_t i = 0; i < places_.size(); ++i) place_of_[places_[i].node] = i;
+    }
+    return node < place_of_.size() && place_of_[node] != kNone ? &places_[place_of_[node]].world
+                                                               : nullptr;
+  }
+
+  const std::vector<Affine>& joints_of(size_t skin) {
+    const auto [known, is_new] = joints_.try_emplace(skin);
+    if (is_new)
+      known->second = read_gltf_joints(file_, file_.element("skins", skin),
+                                       [&](size_t node) { return world_of(node); });
+    return known->second;
+  }
+
+  /// The shapes of a mesh; `world`, where they are to be placed, becomes none of those that a skin
+  /// has taken there.
+  std::vector<v1::Shape> shapes_of(const MeshUse& use, Affine& world) {
+    if (use.bent_by) {
+      const std::vector<Affine>& joints = joints_of(*skin_of(file_.element("nodes", *use.bent_by)));
+      if (!joints.empty()) {
+        const GltfSkin skin{joints, world};
+        world = {};
+        return meshes_.read(use.mesh, use.weights, &skin);
+      }
+    }
+    return meshes_.read(use.mesh, use.weights, nullptr);
   }
 
   template <typename Test>
@@ -279,13 +264,13 @@ class GltfReader {
         continue;
       }
       seen_[place.node] = true;
-      place.world = place.world * transform_of(in);
+      place.world = place.world * gltf_transform(in);
       if (!is_finite(place.world)) {
         in.repair("a transform beyond all numbers", "a smaller one",
                   "the node and what is below it are left out");
         continue;
       }
-      place.mesh = mesh_of(in);
+      place.mesh = mesh_of(place.node);
       if (place.mesh) ++uses_[*place.mesh];
       push(children(in["children"]), place.world);
       places_.push_back(place);
@@ -296,7 +281,6 @@ class GltfReader {
     const GltfValue in = file_.element("nodes", place.node);
     const std::string name = in["name"].text("");
     if (place.mesh) show(*place.mesh, name, place.world);
-    if (place.mesh && in["skin"]) warnings_.add("meshes with a skin are shown unbent");
     if (const auto index = in["camera"].index(file_.root()["cameras"].size(), "camera"))
       camera(*index, in, place.world);
     const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
@@ -305,16 +289,15 @@ class GltfReader {
       light(lights.at(*index), name, place.world);
   }
 
-  void show(const MeshUse& use, const std::string& name, const Affine& world) {
-    const auto& [mesh, weights] = use;
+  void show(const MeshUse& use, const std::string& name, Affine world) {
     const auto [known, is_new] = shown_.try_emplace(use);
     const bool shared = uses_[use] > 1;
-    const std::string own = file_.element("meshes", mesh)["name"].text("");
+    const std::string own = file_.element("meshes", use.mesh)["name"].text("");
     if (is_new) {
-      known->second.shapes = meshes_.read(mesh, weights);
+      known->second.shapes = shapes_of(use, world);
       if (shared && !known->second.shapes.empty()) {
         v1::Object& object = *out_.scene.add_objects();
-        object.set_name(unique_object_(own.empty() ? fmt::format("mesh {}", mesh) : own));
+        object.set_name(unique_object_(own.empty() ? fmt::format("mesh {}", use.mesh) : own));
         known->second.object = object.name();
         for (v1::Shape& shape : known->second.shapes)
           *object.add_nodes()->mutable_shape() = std::move(shape);
@@ -452,7 +435,9 @@ class GltfReader {
   GltfMeshes meshes_;
   UniqueNames unique_object_, unique_camera_, unique_light_;
   std::vector<Place> places_;
-  std::vector<bool> seen_;  ///< the nodes that places_ holds
+  std::vector<bool> seen_;        ///< the nodes that places_ holds
+  std::vector<size_t> place_of_;  ///< in places_, by node; empty before the first skin
+  std::map<size_t, std::vector<Affine>> joints_;  ///< by skin; empty: it cannot be read
   bool has_shapes_ = false;
   std::map<MeshUse, size_t> uses_;
   std::map<MeshUse, Shown> shown_;

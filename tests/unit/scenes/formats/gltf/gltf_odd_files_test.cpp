@@ -23,8 +23,8 @@ TEST(Gltf, HoldsCountsAgainstTheBytesThatAreThere) {
       "t.gltf: accessors/0: 4 rows in a buffer view that holds 3; expected rows that it holds");
   EXPECT_EQ(error(file(R"({"componentType":5126,"type":"VEC3","count":1000000000000})")),
             "t.gltf: accessors/0/count: 1000000000000 zeros; expected at most 16777216");
-  EXPECT_EQ(error(file(accessor(0, 5126, 4, "MAT4"))),
-            "t.gltf: accessors/0/type: 'MAT4'; expected SCALAR, VEC2, VEC3 or VEC4");
+  EXPECT_EQ(error(file(accessor(0, 5126, 4, "MAT3"))),
+            "t.gltf: accessors/0/type: 'MAT3'; expected SCALAR, VEC2, VEC3, VEC4 or MAT4");
   EXPECT_EQ(error(file(accessor(0, 5124, 4, "VEC3"))),
             "t.gltf: accessors/0/componentType: 5124; expected 5120 to 5123, 5125 or 5126");
 }
