@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/transform.h"
+#include "scenes/formats/gltf/gltf_instances.h"
 #include "scenes/formats/gltf/gltf_mesh.h"
 #include "scenes/formats/gltf/gltf_transform.h"
 #include "scenes/import/decimal.h"
@@ -27,12 +28,17 @@ constexpr std::array kNamed{"accessors", "animations", "bufferViews", "buffers",
                             "images",    "materials",  "meshes",      "nodes",   "samplers",
                             "scenes",    "skins",      "textures"};
 
-constexpr std::array<std::string_view, 10> kExtensions{
-    "EXT_texture_webp",        "KHR_lights_punctual",
-    "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",       "KHR_materials_transmission",
-    "KHR_materials_unlit",     "KHR_materials_volume",
-    "KHR_mesh_quantization",   "KHR_texture_transform"};
+constexpr std::array<std::string_view, 11> kExtensions{"EXT_mesh_gpu_instancing",
+                                                       "EXT_texture_webp",
+                                                       "KHR_lights_punctual",
+                                                       "KHR_materials_clearcoat",
+                                                       "KHR_materials_emissive_strength",
+                                                       "KHR_materials_ior",
+                                                       "KHR_materials_transmission",
+                                                       "KHR_materials_unlit",
+                                                       "KHR_materials_volume",
+                                                       "KHR_mesh_quantization",
+                                                       "KHR_texture_transform"};
 
 void put(const Affine& from, v1::Transform* to) {
   v1::Matrix& matrix = *to->add_steps()->mutable_matrix();
@@ -271,16 +277,31 @@ class GltfReader {
         continue;
       }
       place.mesh = mesh_of(place.node);
-      if (place.mesh) ++uses_[*place.mesh];
+      if (place.mesh) uses_[*place.mesh] += count_instances(place, in);
       push(children(in["children"]), place.world);
       places_.push_back(place);
     }
   }
 
+  /// How often a node shows its mesh. One that a skin has bent has one place alone.
+  size_t count_instances(const Place& place, const GltfValue& in) {
+    auto frames = read_gltf_instances(file_, in);
+    if (!frames) return 1;
+    if (place.mesh->bent_by) {
+      in.repair("instances of a mesh with a skin", "one or the other", "the mesh is shown once");
+      return 1;
+    }
+    return instances_.emplace(place.node, std::move(*frames)).first->second.size();
+  }
+
   void node(const Place& place) {
     const GltfValue in = file_.element("nodes", place.node);
     const std::string name = in["name"].text("");
-    if (place.mesh) show(*place.mesh, name, place.world);
+    const auto instances = instances_.find(place.node);
+    if (instances != instances_.end())
+      for (const Affine& frame : instances->second) show(*place.mesh, name, place.world * frame);
+    else if (place.mesh)
+      show(*place.mesh, name, place.world);
     if (const auto index = in["camera"].index(file_.root()["cameras"].size(), "camera"))
       camera(*index, in, place.world);
     const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
@@ -435,7 +456,8 @@ class GltfReader {
   GltfMeshes meshes_;
   UniqueNames unique_object_, unique_camera_, unique_light_;
   std::vector<Place> places_;
-  std::vector<bool> seen_;        ///< the nodes that places_ holds
+  std::vector<bool> seen_;                           ///< the nodes that places_ holds
+  std::map<size_t, std::vector<Affine>> instances_;  ///< by node: their frames in its own
   std::vector<size_t> place_of_;  ///< in places_, by node; empty before the first skin
   std::map<size_t, std::vector<Affine>> joints_;  ///< by skin; empty: it cannot be read
   bool has_shapes_ = false;
