@@ -1,5 +1,6 @@
 #include "front/load_frame.h"
 
+#include "front/scene_view.h"
 #include "front/texture_decoder.h"
 #include "scenes/formats/read_scene.h"
 
@@ -12,23 +13,28 @@ ReadOptions reading_of(const RenderOptions& options, int frame) {
   reading.decode_texture = decode_texture;
   reading.decode_texture_bytes = decode_texture_bytes;
   reading.frame = frame;
+  reading.brings_camera = brings_camera(options);
   return reading;
 }
 
 }  // namespace
 
 LoadedScene load_frame(const RenderOptions& options, int frame) {
+  check_view(options);
   LoadedScene loaded = read_scene(options.scene, reading_of(options, frame));
   apply_scene_options(options, loaded.scene);
+  use_view(options, loaded);
   return loaded;
 }
 
 LoadedScene load_frame(const RenderOptions& options, const SceneWithBlobs& made, int frame) {
+  check_view(options);
   LoadedScene loaded;
   loaded.scene = made.scene;
   loaded.blobs = made.blobs;
   add_files(loaded, options.scene, reading_of(options, frame));
   apply_scene_options(options, loaded.scene);
+  use_view(options, loaded);
   return loaded;
 }
 

@@ -30,17 +30,23 @@ void add_read_options(OptionList& list, ReadOptions& options) {
   using X3dColor = ReadOptions::Color;
   using Shadows = ReadOptions::Shadows;
   using Texture = ReadOptions::X3dTexture;
-  OptionGroup(list, "Scene")
-      .add("--assets", "DIR",
-           "The folder that holds all files which the scene names: pictures, materials, other "
-           "scenes [the scene's own]",
-           [&options](const std::string& folder) {
-             std::error_code failure;
-             if (!std::filesystem::is_directory(folder, failure))
-               throw usage_error(fmt::format("--assets: there is no folder '{}'{}", folder,
-                                             failure ? ": " + failure.message() : ""));
-             options.assets = folder;
-           });
+  using Up = ReadOptions::Up;
+  OptionGroup scene(list, "Scene");
+  scene.add("--assets", "DIR",
+            "The folder that holds all files which the scene names: pictures, materials, other "
+            "scenes [the scene's own]",
+            [&options](const std::string& folder) {
+              std::error_code failure;
+              if (!std::filesystem::is_directory(folder, failure))
+                throw usage_error(fmt::format("--assets: there is no folder '{}'{}", folder,
+                                              failure ? ": " + failure.message() : ""));
+              options.assets = folder;
+            });
+  add_choice(
+      scene, "--up", "y|z",
+      "Which axis points up in a model that comes without a view, for its camera, lights and "
+      "background; coordinates stay as they are [y; z for STL]",
+      options.up, std::array<std::pair<const char*, Up>, 2>{{{"y", Up::y}, {"z", Up::z}}});
   OptionGroup group(list, "Reading X3D");
   add_choice(group, "--x3d-color", "display|linear",
              "Colours as they are, or decoded from sRGB and lit in linear light [display]",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -16,6 +17,7 @@
 #include "renderer/image/animation_file.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/read_settings.h"
+#include "scenes/import/standard_view.h"
 
 namespace tessera {
 namespace {
@@ -102,6 +104,11 @@ void add_sampling_options(OptionList& list, RenderOptions& options) {
             });
 }
 
+void check_one_animation(bool has_other) {
+  if (has_other)
+    throw usage_error("--turntable: has frames of its own; expected no --frames beside it");
+}
+
 void add_picture_options(OptionList& list, RenderOptions& options) {
   OptionGroup group(list, "Picture");
   group.add("--size", "WxH",
@@ -114,6 +121,14 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
   group.add("--camera", "CAMERA",
             "Which of the scene's cameras, by name, description or number from 1 [the first]",
             [&options](const std::string& text) { options.camera = text; });
+  group
+      .add("--view", "VIEW",
+           fmt::format("{}: in place of the scene's cameras one that sees everything from there",
+                       fmt::join(standard_view_names(), ", ")),
+           [&options](const std::string& text) {
+             options.view = parse_choice("--view", text, standard_view_names());
+           })
+      .choices = standard_view_names();
   group.add_flag("--pinhole", "Leave out the camera's lens: everything is in focus",
                  options.pinhole);
   group.add_flag("--frame-all",
@@ -131,7 +146,22 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
       "--frames", "FRAMES",
       "Frames of the animation, such as 0-23, 1-100x5 or 1,5,10-20, each to NAME.NNNN.png, or all "
       "to one .gif or .apng, at the instants that its frame rate gives: not with --time",
-      [&options](const std::string& text) { options.frames = parse_frames("--frames", text); });
+      [&options](const std::string& text) {
+        check_one_animation(options.turntable.has_value());
+        options.frames = parse_frames("--frames", text);
+      });
+  group
+      .add("--turntable", "N",
+           "N frames around everything, numbered from 0, from --view or else from iso: written as "
+           "those of --frames are",
+           [&options](const std::string& text) {
+             check_one_animation(options.frames.has_value());
+             options.turntable =
+                 static_cast<int>(parse_whole("--turntable", text, 1, kMostJobFrames));
+             options.frames.emplace(static_cast<size_t>(*options.turntable));
+             std::iota(options.frames->begin(), options.frames->end(), 0);
+           })
+      .most = kMostJobFrames;
 }
 
 void add_tracing_options(OptionList& list, RenderOptions& options) {
@@ -390,7 +420,9 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
 void check_instant(const RenderOptions& options, bool is_frame) {
   if (!options.time || !is_frame) return;
   throw usage_error(fmt::format("--time: a frame{} has its own instant; expected one of the two",
-                                options.frames ? " of --frames" : ""));
+                                options.turntable ? " of --turntable"
+                                : options.frames  ? " of --frames"
+                                                  : ""));
 }
 
 void check_verify(double verify, int workers) {

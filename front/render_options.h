@@ -44,6 +44,8 @@ struct RenderOptions {
   std::optional<double> frames_per_second;  ///< of files that hold all frames; > 0
   std::optional<double> time;
   std::optional<std::string> camera;
+  std::optional<std::string> view;  ///< one of standard_view_names(), in place of cameras
+  std::optional<int> turntable;     ///< so many frames around what there is: those of `frames`
   bool pinhole = false;
   bool frame_all = false;
   ReadOptions reading{};

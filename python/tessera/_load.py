@@ -13,17 +13,17 @@ from ._arguments import frame_number, refuse_unknown, with_article
 from ._callers import level_of_caller
 from ._options import option_texts
 from ._places import located_errors
-from ._types import Path, X3dColor, X3dShadows, X3dTexture
+from ._types import Path, Up, X3dColor, X3dShadows, X3dTexture
 from .errors import (Error, SceneError, SceneWarning, UsageError, nesting_ends,
                      scene_error)
 from .rendering import checked_scene
 from .scene import Scene
 
 def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
-         place: Union[str, Sequence[str]] = (), strict: bool = False, x3d_color: Optional[X3dColor] = None,
-         x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
-         x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
-         **unknown: NoReturn) -> Scene:
+         place: Union[str, Sequence[str]] = (), strict: bool = False, up: Optional[Up] = None,
+         x3d_color: Optional[X3dColor] = None, x3d_shadows: Optional[X3dShadows] = None,
+         x3d_texture: Optional[X3dTexture] = None, x3d_weld: Optional[float] = None,
+         x3d_strict: bool = False, x3d_two_sided: bool = False, **unknown: NoReturn) -> Scene:
     """Reads a scene from a file of any format that Tessera knows, by its ending.
 
     What was read otherwise than might be expected is told as `SceneWarning`.
@@ -32,6 +32,7 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
     :param frame: of an animation that has a script.
     :param place: "FILE:at=X,Y,Z:rotate=X,Y,Z:scale=S:mirror=AXES", other scenes placed into this one.
     :param strict: a picture or an Inline that is missing is an error, also called `x3d_strict`.
+    :param up: which axis points up in a model that comes without a view; coordinates stay as they are.
     :param x3d_color: how the numbers of X3D's colours are meant.
     :param x3d_shadows: which of X3D's lights cast shadows.
     :param x3d_texture: whether a coloured texture replaces the material's colour or multiplies it.

@@ -15,7 +15,7 @@ from ._messages import Scene
 from ._options import core_options
 from ._places import located_errors
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap,
-                     Transfer, X3dColor, X3dShadows, X3dTexture)
+                     Transfer, Up, View, X3dColor, X3dShadows, X3dTexture)
 from .errors import Error, SceneWarning, UsageError
 from .picture import Image
 from .rendering import checked_scene, with_picture
@@ -68,15 +68,16 @@ class Farm(BaseFarm):
     def submit(self, scene: Union[Scene, Path], *,
                frames: Union[None, str, int, range, Tuple[int, int]] = None, name: Optional[str] = None,
                priority: int = 0, weight: int = 1, size: Optional[Size] = None,
-               crop: Optional[Crop] = None, camera: Optional[str] = None, pinhole: bool = False,
-               frame_all: bool = False, spp: Optional[int] = None,
+               crop: Optional[Crop] = None, camera: Optional[str] = None, view: Optional[View] = None,
+               pinhole: bool = False, frame_all: bool = False, spp: Optional[int] = None,
                target_error: Optional[float] = None, min_spp: Optional[int] = None,
                filter: Optional[str] = None, pattern: Optional[Pattern] = None,
                seed: Optional[int] = None, integrator: Optional[Integrator] = None,
                max_depth: Optional[int] = None, shadows: Optional[Shadows] = None,
                accel: Optional[Accelerator] = None, aovs: Aovs = (),
                time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
-               assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+               assets: Optional[Path] = None, up: Optional[Up] = None,
+               x3d_color: Optional[X3dColor] = None,
                x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
                x3d_weld: Optional[float] = None, x3d_strict: bool = False,
                x3d_two_sided: bool = False, tile: Optional[int] = None,

@@ -22,8 +22,8 @@ from ._messages import Scene
 from ._options import core_options
 from ._places import located_errors
 from ._progress import SHOW_SECONDS, Callbacks, Progress, ProgressOption, TileCallback
-from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, X3dColor,
-                     X3dShadows, X3dTexture)
+from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, Up, View,
+                     X3dColor, X3dShadows, X3dTexture)
 from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
                      UsageError)
 from .picture import Image
@@ -279,15 +279,15 @@ def started_farm(workers: Optional[int], threads: Optional[int], verify: Union[N
 
 @overload
 def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
-           camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
-           spp: Optional[int] = None, target_error: Optional[float] = None,
+           camera: Optional[str] = None, view: Optional[View] = None, pinhole: bool = False,
+           frame_all: bool = False, spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
            pattern: Optional[Pattern] = None, seed: Optional[int] = None,
            integrator: Optional[Integrator] = None, max_depth: Optional[int] = None,
            shadows: Optional[Shadows] = None, accel: Optional[Accelerator] = None,
            aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
            frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
-           assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+           assets: Optional[Path] = None, up: Optional[Up] = None, x3d_color: Optional[X3dColor] = None,
            x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
@@ -297,15 +297,15 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            wait: Literal[True] = True) -> Image: ...
 @overload
 def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
-           camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
-           spp: Optional[int] = None, target_error: Optional[float] = None,
+           camera: Optional[str] = None, view: Optional[View] = None, pinhole: bool = False,
+           frame_all: bool = False, spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
            pattern: Optional[Pattern] = None, seed: Optional[int] = None,
            integrator: Optional[Integrator] = None, max_depth: Optional[int] = None,
            shadows: Optional[Shadows] = None, accel: Optional[Accelerator] = None,
            aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
            frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
-           assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+           assets: Optional[Path] = None, up: Optional[Up] = None, x3d_color: Optional[X3dColor] = None,
            x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
@@ -314,15 +314,15 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
            progress: ProgressOption = None, on_tile: Optional[TileCallback] = None,
            wait: Literal[False]) -> Task: ...
 def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Optional[Crop] = None,
-           camera: Optional[str] = None, pinhole: bool = False, frame_all: bool = False,
-           spp: Optional[int] = None, target_error: Optional[float] = None,
+           camera: Optional[str] = None, view: Optional[View] = None, pinhole: bool = False,
+           frame_all: bool = False, spp: Optional[int] = None, target_error: Optional[float] = None,
            min_spp: Optional[int] = None, filter: Optional[str] = None,
            pattern: Optional[Pattern] = None, seed: Optional[int] = None,
            integrator: Optional[Integrator] = None, max_depth: Optional[int] = None,
            shadows: Optional[Shadows] = None, accel: Optional[Accelerator] = None,
            aovs: Aovs = (), denoise: bool = False, time: Optional[float] = None,
            frame: Optional[int] = None, place: Union[str, Sequence[str]] = (),
-           assets: Optional[Path] = None, x3d_color: Optional[X3dColor] = None,
+           assets: Optional[Path] = None, up: Optional[Up] = None, x3d_color: Optional[X3dColor] = None,
            x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
            x3d_weld: Optional[float] = None, x3d_strict: bool = False, x3d_two_sided: bool = False,
            tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,

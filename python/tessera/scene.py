@@ -21,7 +21,8 @@ from ._places import located_errors
 from ._placing import Shape, everything_in
 from ._progress import ProgressOption, TileCallback
 from ._transforms import Transform
-from ._types import Accelerator, Aovs, ColorLike, Crop, Integrator, Path, Pattern, Shadows, Size
+from ._types import (Accelerator, Aovs, ColorLike, Crop, Integrator, Path, Pattern, Shadows, Size, Up,
+                     View)
 from ._value import Value, words_of
 from ._value_types import NodeLike, PartsLike, TransformsLike
 from ._view import Background, Camera
@@ -372,14 +373,14 @@ class Scene(_messages.Scene):
 
     def frames(self, first: Optional[int] = None, last: Optional[int] = None, *,
                size: Optional[Size] = None, crop: Optional[Crop] = None, camera: Optional[str] = None,
-               pinhole: bool = False, frame_all: bool = False, spp: Optional[int] = None,
-               target_error: Optional[float] = None, min_spp: Optional[int] = None,
+               view: Optional[View] = None, pinhole: bool = False, frame_all: bool = False,
+               spp: Optional[int] = None, target_error: Optional[float] = None, min_spp: Optional[int] = None,
                filter: Optional[str] = None, pattern: Optional[Pattern] = None,
                seed: Optional[int] = None, integrator: Optional[Integrator] = None,
                max_depth: Optional[int] = None, shadows: Optional[Shadows] = None,
                accel: Optional[Accelerator] = None, aovs: Aovs = (), denoise: bool = False,
                place: Union[str, Sequence[str]] = (), assets: Optional[Path] = None,
-               tile: Optional[int] = None, workers: Optional[int] = None,
+               up: Optional[Up] = None, tile: Optional[int] = None, workers: Optional[int] = None,
                threads: Optional[int] = None, verify: Union[None, float, str] = None,
                farm: Optional[BaseFarm] = None, progress: ProgressOption = None,
                on_tile: Optional[TileCallback] = None, **unknown: NoReturn,

@@ -9,25 +9,24 @@
 
 #include "renderer/math/bounds.h"
 #include "renderer/math/vec.h"
-#include "scenes/import/three_quarters.h"
+#include "scenes/import/standard_view.h"
 #include "scenes/import/to_affine.h"
 
 namespace tessera {
 namespace {
 
-constexpr double kFieldOfView = 35;  // degrees
-constexpr uint32_t kSamples = 4;     // a pixel, so that edges are smooth
-constexpr double kSoftBox = 32;      // degrees from the zenith towards the viewer
+constexpr uint32_t kSamples = 4;  // a pixel, so that edges are smooth
+constexpr double kSoftBox = 32;   // degrees from the zenith towards the viewer
 
 /// The frame that looks along -back.
 struct Frame {
   Vec3 right, up, back;
 };
 
-Frame view_frame() {
-  const Vec3 back = three_quarters();
-  const Vec3 right = normalize(cross(Vec3{0, 1, 0}, back));
-  return {right, cross(back, right), back};
+Frame view_frame(bool z_is_up) {
+  const StandardView view = standard_view("iso", z_is_up);
+  const Vec3 right = normalize(cross(view.up, view.from));
+  return {right, cross(view.from, right), view.from};
 }
 
 /// Finds the box of all meshes.
@@ -122,7 +121,7 @@ void add_lights(v1::Scene& scene, const Frame& frame) {
 
 /// A studio: a round soft box over the viewer's head, and dim walls that grow darker away from it,
 /// so that what mirrors them differs from what is seen behind it.
-void add_background(v1::Scene& scene, const Frame& frame) {
+void add_background(v1::Scene& scene, const Frame& frame, bool z_is_up) {
   struct Ring {
     double angle, r, g, b;  ///< degrees from the middle of the soft box
   };
@@ -137,9 +136,13 @@ void add_background(v1::Scene& scene, const Frame& frame) {
     put(ring.r, ring.g, ring.b, rings.add_sky());
     if (ring.angle > 0) rings.add_sky_angles(ring.angle);
   }
-  v1::AxisAngle& turn = *background.mutable_orientation()->add_steps()->mutable_rotate();
-  put(frame.right, turn.mutable_axis());
-  turn.set_angle(kSoftBox);
+  const auto turn = [&background](const Vec3& axis, double angle) {
+    v1::AxisAngle& rotate = *background.mutable_orientation()->add_steps()->mutable_rotate();
+    put(axis, rotate.mutable_axis());
+    rotate.set_angle(angle);
+  };
+  turn(frame.right, kSoftBox);
+  if (z_is_up) turn({1, 0, 0}, 90);
 }
 
 bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {
@@ -150,16 +153,18 @@ bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {
 
 }  // namespace
 
-void add_default_view(LoadedScene& loaded) {
+void add_default_view(LoadedScene& loaded, bool z_is_up, bool brings_camera) {
   v1::Scene& scene = loaded.scene;
-  const Frame frame = view_frame();
+  const Frame frame = view_frame(z_is_up);
   const bool is_lit = has_light(scene.nodes());
   if (!is_lit) add_lights(scene, frame);
-  if (scene.cameras().empty())
-    *scene.add_cameras() = three_quarters_camera(kFieldOfView);
-  else if (!is_lit)
+  if (scene.cameras().empty()) {
+    *scene.add_cameras() = standard_camera("iso", z_is_up, kModelFieldOfView);
+    scene.mutable_cameras(0)->set_name("default");
+  } else if (!is_lit && !brings_camera) {
     add_headlights(scene, BoundsFinder(loaded).find());
-  if (!scene.has_background()) add_background(scene, frame);
+  }
+  if (!scene.has_background()) add_background(scene, frame, z_is_up);
   v1::Sampling& sampling = *scene.mutable_settings()->mutable_sampling();
   if (!sampling.has_samples_per_pixel()) sampling.set_samples_per_pixel(kSamples);
 }

@@ -27,6 +27,7 @@
 #include "scenes/import/checked_pictures.h"
 #include "scenes/import/read_cache.h"
 #include "scenes/import/texture_loader.h"
+#include "scenes/import/warnings.h"
 
 namespace tessera {
 namespace {
@@ -263,6 +264,12 @@ void add_others(const std::string& path, const ReadOptions& options, FileReader&
   }
 }
 
+/// That ReadOptions::up has no effect.
+void warn_of_up(LoadedScene& loaded, const std::string& path, const ReadOptions& options) {
+  if (options.up == ReadOptions::Up::by_format || options.brings_camera) return;
+  add_warning(loaded, path, "--up: turns nothing; expected a model by itself, or --view");
+}
+
 }  // namespace
 
 void check_scene_format(const std::string& path, const std::string& format) {
@@ -270,6 +277,7 @@ void check_scene_format(const std::string& path, const std::string& format) {
 }
 
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {
+  warn_of_up(made, name, options);
   if (made.scene.includes().empty() && options.placements.empty()) return;
   const InputScope scope(&options.text_of);
   FileReader read(name, options);
@@ -283,7 +291,13 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   LoadedScene loaded = read(path, options.format);
   add_others(path, options, read, loaded);
   const std::string format = format_of(path, options.format);
-  if (std::find(kModels.begin(), kModels.end(), format) != kModels.end()) add_default_view(loaded);
+  if (std::find(kModels.begin(), kModels.end(), format) != kModels.end()) {
+    const bool z_is_up = options.up == ReadOptions::Up::z ||
+                         (options.up == ReadOptions::Up::by_format && format == "stl");
+    add_default_view(loaded, z_is_up, options.brings_camera);
+  } else {
+    warn_of_up(loaded, path, options);
+  }
   if (!own_encoding(format) && loaded.scene.metadata().source_file().empty())
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
   if (options.origins) loaded.origins.settle(loaded.scene);

@@ -76,6 +76,7 @@ struct ReadOptions {
   enum class Color { display, linear };
   enum class Shadows { on, file, off };
   enum class X3dTexture { by_version, replace, modulate };
+  enum class Up { by_format, y, z };
 
   std::string format{};  ///< obj, ply, stl, gltf, glb, x3d, crt, tessera, tesserab, json; empty: by
                          ///< the ending
@@ -83,6 +84,11 @@ struct ReadOptions {
   /// the folder of the file that names them where that is inside, then from this one. Empty: that
   /// of the scene's file. Placements keep to their own.
   std::string assets{};
+  /// Which axis points up in a model by itself, whose camera, lights and background are then
+  /// turned. By its format it is z in STL and y in others.
+  Up up = Up::by_format;
+  /// The caller puts a camera of its own in place of the scene's, by `up` too.
+  bool brings_camera = false;
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
   Shadows x3d_shadows = Shadows::on;  ///< `file`: as the lights' own fields say
   /// What a coloured texture does to the material's colour: by the letter it takes its place up to

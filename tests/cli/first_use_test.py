@@ -10,6 +10,7 @@ import struct
 import termios
 import unittest
 
+import animation
 import scenes
 from tessera_process import PATIENCE, PROGRAM, TesseraTest
 
@@ -131,6 +132,59 @@ class Frames(TesseraTest):
             self.assertEqual(count, result.err.count("depends on the frame"), result.err)
         self.assertEqual("", self.run_program("render", self.still, *SMALL, "--frames", "1-3",
                                               "--quiet").err)
+
+
+class StandardViews(TesseraTest):
+    SIDES = {"front": (0, 0, 2), "back": (0, 0, -2), "right": (2, 0, 0), "left": (-2, 0, 0), "top": (0, 2, 0),
+             "bottom": (0, -2, 0)}
+    RENDER = "--size", "9x9", "--workers", "0", "--integrator", "albedo", "--quiet"
+
+    def setUp(self):
+        """A sphere of a grey of its own on each side, and a viewpoint that looks away."""
+        super().setUp()
+        shapes = "".join(
+            f"<Transform translation='{x} {y} {z}'><Shape><Appearance><Material diffuseColor='{i / 10} 0 0'/>"
+            "</Appearance><Sphere/></Shape></Transform>"
+            for i, (x, y, z) in enumerate(self.SIDES.values(), 1))
+        self.scene = self.write("sides.x3d", "<X3D><Scene><Viewpoint position='0 0 90' orientation='0 1 0 3'/>"
+                                             f"{shapes}</Scene></X3D>")
+
+    def side(self, picture):
+        """Which is in its middle."""
+        data = (self.folder / picture).read_bytes()
+        red = struct.unpack_from("<f", data, len(data) - 9 * 9 * 12 + (4 * 9 + 4) * 12)[0]
+        return list(self.SIDES)[round(red * 10) - 1]
+
+    def seen(self, *options):
+        result = self.run_program("render", self.scene, *self.RENDER, *options, "-o", "x.pfm")
+        self.assertEqual(0, result.code, result.err)
+        return self.side("x.pfm")
+
+    def test_each_side(self):
+        for view in self.SIDES:
+            self.assertEqual(view, self.seen("--view", view))
+        upright = {"front": "bottom", "back": "top", "top": "front", "bottom": "back", "left": "left",
+                   "right": "right"}
+        for view, seen in upright.items():
+            self.assertEqual(seen, self.seen("--view", view, "--up", "z"))
+
+    def test_a_turntable_goes_around(self):
+        result = self.run_program("render", self.scene, *self.RENDER, "--view", "front", "--turntable", "4",
+                                  "-o", "x.png", "-o", "all.gif", "-o", "y.pfm")
+        self.assertEqual(0, result.code, result.err)
+        frames = [self.folder / f"x.{frame:04}.png" for frame in range(4)]
+        self.assertEqual(sorted(self.folder.glob("x.*.png")), frames)
+        self.assertEqual(4, len(animation.read_gif(self.folder / "all.gif")[0]))
+        self.assertEqual(["front", "right", "back", "left"],
+                         [self.side(f"y.{frame:04}.pfm") for frame in range(4)])
+
+    def test_only_one_says_what_is_seen_when(self):
+        for options, names in ((("--view", "top", "--camera", "1"), ("--view", "--camera")),
+                               (("--turntable", "2", "--camera", "1"), ("--turntable", "--camera")),
+                               (("--turntable", "2", "--frames", "3"), ("--turntable", "--frames")),
+                               (("--turntable", "2", "--time", "3"), ("--time", "--turntable"))):
+            self.assert_error(self.run_program("render", self.scene, *options), 2, *names)
+        self.assert_error(self.run_program("render", self.scene, "--view", "tpo"), 2, "'tpo'", "'top'")
 
 
 class Darkness(TesseraTest):

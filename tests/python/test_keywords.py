@@ -15,7 +15,7 @@ from tessera import rendering
 INSTEAD = {
     "output": "Image.save", "stats": "Image.stats", "quiet": "nothing is printed",
     "progressive": "Task.snapshot", "frames": "Scene.frames", "fps": "Frames(per_second=)", "connect": "farm", "key": "Farm(key=)",
-    "server-key": "Farm(server_key=)", "trace": "the command line", "tev": "on_tile",
+    "server-key": "Farm(server_key=)", "trace": "the command line", "turntable": "Camera(keys=)", "tev": "on_tile",
     "help": "help()",
 }
 OUTPUT = {"exposure", "tone-map", "transfer", "gamma", "ocio-view", "ocio-display", "ocio-space",
@@ -231,7 +231,7 @@ def test_what_cannot_be_assigned_to(name, told):
 
 
 def test_load_has_the_options_of_reading(tessera):
-    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|place)\b", tessera("help", "render")))
+    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|place|up)\b", tessera("help", "render")))
     keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "strict", "unknown"}
     assert keywords == {name.replace("-", "_") for name in of_files}
     for name in keywords - {"place"}:

@@ -44,6 +44,7 @@ def test_a_sample_as_file_and_as_value(name, farms, tessera, tmp_path):
     ({"accel": "octree", "time": .5, "pinhole": True}, ["--accel", "octree", "--time", ".5",
                                                         "--pinhole"]),
     ({"frame_all": True, "camera": "1"}, ["--frame-all", "--camera", "1"]),
+    ({"view": "right", "up": "z"}, ["--view", "right", "--up", "z"]),
     ({"place": ":at=1,0,0:scale=2"}, ["--place", ":at=1,0,0:scale=2"]),
 ])
 def test_an_option_does_what_it_does_on_the_command_line(python, command, farms, tessera, tmp_path):

@@ -190,7 +190,8 @@ def test_words_are_those_of_the_renderer():
     scene, image = ts.Scene(nodes=[ts.Sphere()]), ts.Image.from_array([[.5]])
     for keyword, words in {"integrator": _types.Integrator, "accel": _types.Accelerator, "aovs": _types.Aov,
                            "pattern": _types.Pattern, "shadows": _types.Shadows, "x3d_color": _types.X3dColor,
-                           "x3d_shadows": _types.X3dShadows, "x3d_texture": _types.X3dTexture}.items():
+                           "x3d_shadows": _types.X3dShadows, "x3d_texture": _types.X3dTexture,
+                           "view": _types.View, "up": _types.Up}.items():
         assert words_of_an_error(scene.render, **{keyword: "?"}) == set(typing.get_args(words))
     for keyword, words in {"tone_map": _types.ToneMap, "transfer": _types.Transfer}.items():
         assert words_of_an_error(image.to_srgb, **{keyword: "?"}) == set(typing.get_args(words))

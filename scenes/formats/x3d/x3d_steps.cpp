@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "scenes/import/three_quarters.h"
+#include "scenes/import/standard_view.h"
 
 namespace tessera {
 
@@ -17,7 +17,11 @@ void add_rotation(const X3dRotation& turn, v1::Transform& out) {
   rotate.set_angle(degrees_from_radians(turn.angle));
 }
 
-v1::Camera default_camera() { return three_quarters_camera(45); }
+v1::Camera default_camera() {
+  v1::Camera camera = standard_camera("iso", false, 45);
+  camera.set_name("default");
+  return camera;
+}
 
 double mean_scale(const v1::Transform& transform) {
   double volume = 1;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "scenes/formats/scene_summary.h"
+#include "scenes/import/standard_view.h"
+#include "scenes/import/to_affine.h"
 #include "tests/unit/scenes/formats/read_scene_fixture.h"
 
 namespace tessera {
@@ -113,6 +115,61 @@ TEST_F(ReadScene, GivesABareModelAView) {
   EXPECT_FALSE(loaded.scene.cameras(0).has_headlight());
   EXPECT_EQ(loaded.scene.settings().sampling().samples_per_pixel(), 4u);
   EXPECT_EQ(summarize(loaded.scene, loaded.blobs).undefined.size(), 0u);
+}
+
+TEST_F(ReadScene, TurnsTheViewOfAModelWhoseZAxisPointsUpAndNotTheModel) {
+  const std::string obj = write("t.obj", kTriangle);
+  const std::string stl = write("t.stl",
+                                "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 "
+                                "0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n");
+  const auto read = [](const std::string& path, ReadOptions::Up up) {
+    ReadOptions options;
+    options.up = up;
+    return read_scene(path, options);
+  };
+  using Up = ReadOptions::Up;
+  const LoadedScene y = read(obj, Up::by_format), z = read(obj, Up::z);
+  EXPECT_EQ(read(obj, Up::y).scene.SerializeAsString(), y.scene.SerializeAsString());
+  EXPECT_EQ(read(stl, Up::by_format).scene.SerializeAsString(),
+            read(stl, Up::z).scene.SerializeAsString());
+  EXPECT_TRUE(z.warnings.empty());
+
+  // What was in front, at +z, is at -y, and what was above is at +z.
+  const auto expect_turned = [](const v1::Vec3& before, const v1::Vec3& after) {
+    EXPECT_NEAR(after.x(), before.x(), 1e-12);
+    EXPECT_NEAR(after.y(), -before.z(), 1e-12);
+    EXPECT_NEAR(after.z(), before.y(), 1e-12);
+  };
+  for (const auto& [plain, turned] :
+       {std::pair{y, z}, std::pair{read(stl, Up::y), read(stl, Up::z)}}) {
+    const v1::LookAt& before = plain.scene.cameras(0).world_from_camera().steps(0).look_at();
+    const v1::LookAt& after = turned.scene.cameras(0).world_from_camera().steps(0).look_at();
+    EXPECT_FALSE(before.has_up());
+    EXPECT_EQ(after.up().z(), 1);
+    expect_turned(before.eye(), after.eye());
+    ASSERT_EQ(plain.scene.nodes_size(), 4);
+    ASSERT_EQ(turned.scene.nodes_size(), 4);
+    EXPECT_EQ(plain.scene.nodes(0).SerializeAsString(), turned.scene.nodes(0).SerializeAsString());
+    for (int i = 1; i < 4; ++i)
+      expect_turned(plain.scene.nodes(i).light().directional().direction(),
+                    turned.scene.nodes(i).light().directional().direction());
+    const Affine sky = to_affine(plain.scene.background().orientation());
+    const Affine turned_sky = to_affine(turned.scene.background().orientation());
+    const Vec3 zenith = sky(Vec3{0, 1, 0}), turned_zenith = turned_sky(Vec3{0, 1, 0});
+    EXPECT_NEAR(length(turned_zenith - stood_up(zenith, true)), 0, 1e-12);
+  }
+}
+
+TEST_F(ReadScene, TellsWhereUpTurnsNothing) {
+  const std::string path = write("a.x3d", "<X3D><Scene><Viewpoint/></Scene></X3D>");
+  ReadOptions options;
+  EXPECT_TRUE(read_scene(path, options).warnings.empty());
+  options.up = ReadOptions::Up::z;
+  EXPECT_EQ(read_scene(path, options).warnings,
+            std::vector<std::string>{
+                path + ": --up: turns nothing; expected a model by itself, or --view"});
+  options.brings_camera = true;
+  EXPECT_TRUE(read_scene(path, options).warnings.empty());
 }
 
 TEST_F(ReadScene, PlacesIncludedFilesOfAnyFormatOnce) {
