@@ -42,6 +42,17 @@ void add_read_options(OptionList& list, ReadOptions& options) {
                                               failure ? ": " + failure.message() : ""));
               options.assets = folder;
             });
+  scene.add(
+      "--environment", "FILE",
+      "A panorama in place of the background, such as an .exr or .hdr; it alone lights a model "
+      "that brings no lights",
+      [&options](const std::string& file) {
+        std::error_code failure;
+        if (!std::filesystem::is_regular_file(file, failure))
+          throw usage_error(fmt::format("--environment: there is no file '{}'{}", file,
+                                        failure ? ": " + failure.message() : ""));
+        options.environment = file;
+      });
   add_choice(
       scene, "--up", "y|z",
       "Which axis points up in a model that comes without a view, for its camera, lights and "

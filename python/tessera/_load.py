@@ -19,7 +19,7 @@ from .errors import (Error, SceneError, SceneWarning, UsageError, nesting_ends,
 from .rendering import checked_scene
 from .scene import Scene
 
-def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
+def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Path] = None, frame: int = 0,
          place: Union[str, Sequence[str]] = (), strict: bool = False, up: Optional[Up] = None,
          x3d_color: Optional[X3dColor] = None, x3d_shadows: Optional[X3dShadows] = None,
          x3d_texture: Optional[X3dTexture] = None, x3d_weld: Optional[float] = None,
@@ -29,6 +29,7 @@ def load(path: Path, *, assets: Optional[Path] = None, frame: int = 0,
     What was read otherwise than might be expected is told as `SceneWarning`.
 
     :param assets: the folder that holds all files which the scene names.
+    :param environment: a panorama in place of the background; it alone lights a model that brings no lights.
     :param frame: of an animation that has a script.
     :param place: "FILE:at=X,Y,Z:rotate=X,Y,Z:scale=S:mirror=AXES", other scenes placed into this one.
     :param strict: a picture or an Inline that is missing is an error, also called `x3d_strict`.

@@ -11,7 +11,7 @@ from .errors import UsageError
 
 Texts = List[Tuple[str, Union[bool, str]]]
 _LISTS = ("size", "crop", "aovs", "frames")  # keywords that take several numbers or words
-_TEXTS = {"assets": "the path of a folder", "place": "text or several of them"}  # keywords of text alone
+_TEXTS = {"assets": "the path of a folder", "environment": "the path of a file", "place": "text or several of them"}  # keywords of text alone
 _SEPARATORS = {"size": "x", "frames": "-"}
 
 

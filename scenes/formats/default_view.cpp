@@ -153,15 +153,15 @@ bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {
 
 }  // namespace
 
-void add_default_view(LoadedScene& loaded, bool z_is_up, bool brings_camera) {
+void add_default_view(LoadedScene& loaded, bool z_is_up, const ReadOptions& options) {
   v1::Scene& scene = loaded.scene;
   const Frame frame = view_frame(z_is_up);
-  const bool is_lit = has_light(scene.nodes());
+  const bool is_lit = !options.environment.empty() || has_light(scene.nodes());
   if (!is_lit) add_lights(scene, frame);
   if (scene.cameras().empty()) {
     *scene.add_cameras() = standard_camera("iso", z_is_up, kModelFieldOfView);
     scene.mutable_cameras(0)->set_name("default");
-  } else if (!is_lit && !brings_camera) {
+  } else if (!is_lit && !options.brings_camera) {
     add_headlights(scene, BoundsFinder(loaded).find());
   }
   if (!scene.has_background()) add_background(scene, frame, z_is_up);

@@ -6,7 +6,7 @@ namespace tessera {
 
 /// Gives a model what it came without: a three-quarter view of all its meshes from the front, a key
 /// light over the camera's shoulder with two weaker ones, and a quiet background. `z_is_up`: the
-/// model stands along the z axis, else along y. `brings_camera`: as ReadOptions::brings_camera.
-void add_default_view(LoadedScene& loaded, bool z_is_up, bool brings_camera);
+/// model stands along the z axis, else along y. With ReadOptions::environment it gets no lights.
+void add_default_view(LoadedScene& loaded, bool z_is_up, const ReadOptions& options);
 
 }  // namespace tessera

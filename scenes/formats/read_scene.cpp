@@ -266,8 +266,29 @@ void add_others(const std::string& path, const ReadOptions& options, FileReader&
 
 /// That ReadOptions::up has no effect.
 void warn_of_up(LoadedScene& loaded, const std::string& path, const ReadOptions& options) {
-  if (options.up == ReadOptions::Up::by_format || options.brings_camera) return;
+  const bool turns = options.brings_camera || !options.environment.empty();
+  if (options.up == ReadOptions::Up::by_format || turns) return;
   add_warning(loaded, path, "--up: turns nothing; expected a model by itself, or --view");
+}
+
+/// Puts ReadOptions::environment around the scene.
+void surround(LoadedScene& loaded, bool z_is_up, const ReadOptions& options) {
+  if (options.environment.empty()) return;
+  v1::Scene& scene = loaded.scene;
+  std::string name = "environment";
+  const auto is_taken = [&](const v1::Texture& texture) { return texture.name() == name; };
+  while (std::any_of(scene.textures().begin(), scene.textures().end(), is_taken)) name += '_';
+  v1::Texture& texture = *scene.add_textures();
+  texture.set_name(name);
+  texture.mutable_image()->set_file(fs::path(options.environment).filename().string());
+  load_textures(loaded, AssetFolder(options.environment), options);
+  scene.clear_background();
+  scene.mutable_background()->mutable_panorama()->set_texture(name);
+  if (!z_is_up) return;
+  v1::AxisAngle& turn =
+      *scene.mutable_background()->mutable_orientation()->add_steps()->mutable_rotate();
+  turn.mutable_axis()->set_x(1);
+  turn.set_angle(90);
 }
 
 }  // namespace
@@ -278,6 +299,7 @@ void check_scene_format(const std::string& path, const std::string& format) {
 
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {
   warn_of_up(made, name, options);
+  surround(made, options.up == ReadOptions::Up::z, options);
   if (made.scene.includes().empty() && options.placements.empty()) return;
   const InputScope scope(&options.text_of);
   FileReader read(name, options);
@@ -291,10 +313,11 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   LoadedScene loaded = read(path, options.format);
   add_others(path, options, read, loaded);
   const std::string format = format_of(path, options.format);
+  const bool z_is_up = options.up == ReadOptions::Up::z ||
+                       (options.up == ReadOptions::Up::by_format && format == "stl");
+  surround(loaded, z_is_up, options);
   if (std::find(kModels.begin(), kModels.end(), format) != kModels.end()) {
-    const bool z_is_up = options.up == ReadOptions::Up::z ||
-                         (options.up == ReadOptions::Up::by_format && format == "stl");
-    add_default_view(loaded, z_is_up, options.brings_camera);
+    add_default_view(loaded, z_is_up, options);
   } else {
     warn_of_up(loaded, path, options);
   }

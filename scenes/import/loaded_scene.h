@@ -87,6 +87,9 @@ struct ReadOptions {
   /// Which axis points up in a model by itself, whose camera, lights and background are then
   /// turned. By its format it is z in STL and y in others.
   Up up = Up::by_format;
+  /// A panorama that stands in place of the scene's background, wherever its file lies: the light
+  /// of a model by itself, too. Empty: none.
+  std::string environment{};
   /// The caller puts a camera of its own in place of the scene's, by `up` too.
   bool brings_camera = false;
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant

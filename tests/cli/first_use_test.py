@@ -178,6 +178,20 @@ class StandardViews(TesseraTest):
         self.assertEqual(["front", "right", "back", "left"],
                          [self.side(f"y.{frame:04}.pfm") for frame in range(4)])
 
+    def test_a_panorama_is_the_light_of_a_model(self):
+        self.write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        sky = self.write("bright.tessera", "background { solid { r: 3 g: 2 b: 1 } } nodes { shape { sphere { } } }")
+        self.assertEqual(0, self.run_program("render", sky, "--size", "4x2", "-o", "sky.exr").code)
+        around = self.run_program("convert", "t.obj", "t.tessera", "--environment", "sky.exr")
+        self.assertEqual((0, ""), (around.code, around.err))
+        text = (self.folder / "t.tessera").read_text()
+        self.assertIn("panorama", text)
+        self.assertNotIn("light {", text)
+        self.assertNotIn("rings", text)
+        stats = self.render("t.obj", "--size", "9x9", "--workers", "0", "--environment", "sky.exr")
+        self.assertEqual("path", stats["integrator_chosen"])
+        self.assert_error(self.run_program("render", "t.obj", "--environment", "none.exr"), 2, "none.exr")
+
     def test_only_one_says_what_is_seen_when(self):
         for options, names in ((("--view", "top", "--camera", "1"), ("--view", "--camera")),
                                (("--turntable", "2", "--camera", "1"), ("--turntable", "--camera")),
