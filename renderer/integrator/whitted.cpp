@@ -164,7 +164,7 @@ class WhittedIntegrator final : public Integrator, public SegmentTracer {
                        state.counters.rays_refraction, state);
       }
     }
-    const Vec3 back = mirrored_view(point.normal, facet, -d);
+    const Vec3 back = mirrored_view(n, facet, -d);
     return result + bend(end, origins, back, share * weight, end.media,
                          state.counters.rays_reflection, state);
   }

@@ -547,7 +547,8 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
     Stored3 ways(way);
     while (bent != 0) {
       const size_t lane = take_lowest_lane(bent);
-      ways.put(lane, mirrored_view(shading.vec(lane), facets.vec(lane), -d.vec(lane)));
+      const Vec3 facet = facets.vec(lane), wo = -d.vec(lane);
+      ways.put(lane, mirrored_view(bent_normal(shading.vec(lane), facet, wo), facet, wo));
     }
     return ways.load();
   }

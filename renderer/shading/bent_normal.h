@@ -33,10 +33,9 @@ inline Vec3 kept_on_side(const Vec3& direction, const Vec3& facet, bool is_beyon
   return (is_beyond ? side > 0 : side < 0) ? reflect(direction, facet) : direction;
 }
 
-/// The way on, of unit length, of a view that an ideal mirror reflects.
-inline Vec3 mirrored_view(const Vec3& shading, const Vec3& facet, const Vec3& wo) {
-  const Vec3 way = reflect(-wo, bent_normal(shading, facet, wo));
-  return normalize(kept_on_side(way, facet, false));
+/// The way on, of unit length, of a view that an ideal mirror of that bent_normal() reflects.
+inline Vec3 mirrored_view(const Vec3& bent, const Vec3& facet, const Vec3& wo) {
+  return normalize(kept_on_side(reflect(-wo, bent), facet, false));
 }
 
 }  // namespace tessera

@@ -57,6 +57,7 @@ Bsdf::Bsdf(const BsdfPoint& point)
       facet_normal_(point.geometric_normal),
       from_inside_(point.from_inside) {
   wo_ = frame_.to_local(point.wo);
+  leans_ = point.normal != point.geometric_normal;
   if (frame_.z != point.normal) base_normal_ = frame_.to_local(point.normal);
   if (!(wo_.z > 0) && is_directed(point.material)) return;
   const Material& material = point.material;
@@ -258,6 +259,7 @@ BsdfValue Bsdf::evaluate(const Vec3& world_wi) const {
 
 BsdfValue Bsdf::evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_beyond) const {
   BsdfValue value = evaluate_local(wi, is_beyond);
+  if (!leans_) return value;
   const Vec3 mirrored = frame_.to_local(reflect(world_wi, facet_normal_));
   const BsdfValue folded = evaluate_local(mirrored, is_beyond);
   value.share += folded.share;

@@ -155,6 +155,7 @@ class Bsdf {
   Frame frame_;
   Vec3 facet_normal_;
   Vec3 wo_, base_normal_{0, 0, 1};  ///< in the frame
+  bool leans_ = false;  ///< the shading normal does: what is sent to the wrong side is mirrored
   // Facets.
   double alpha_ = 0;  ///< 0: they are a mirror
   Color f0_ = kBlack;
