@@ -24,6 +24,12 @@ void add_choice(OptionGroup& group, const char* name, const char* type, const ch
   });
 }
 
+Error not_there(std::string_view option, std::string_view what, const std::string& path,
+                const std::error_code& failure) {
+  return usage_error(fmt::format("{}: there is no {} '{}'{}", option, what, path,
+                                 failure ? ": " + failure.message() : ""));
+}
+
 }  // namespace
 
 void add_read_options(OptionList& list, ReadOptions& options) {
@@ -38,8 +44,7 @@ void add_read_options(OptionList& list, ReadOptions& options) {
             [&options](const std::string& folder) {
               std::error_code failure;
               if (!std::filesystem::is_directory(folder, failure))
-                throw usage_error(fmt::format("--assets: there is no folder '{}'{}", folder,
-                                              failure ? ": " + failure.message() : ""));
+                throw not_there("--assets", "folder", folder, failure);
               options.assets = folder;
             });
   scene.add(
@@ -49,8 +54,7 @@ void add_read_options(OptionList& list, ReadOptions& options) {
       [&options](const std::string& file) {
         std::error_code failure;
         if (!std::filesystem::is_regular_file(file, failure))
-          throw usage_error(fmt::format("--environment: there is no file '{}'{}", file,
-                                        failure ? ": " + failure.message() : ""));
+          throw not_there("--environment", "file", file, failure);
         options.environment = file;
       });
   add_choice(

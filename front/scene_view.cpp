@@ -7,19 +7,13 @@
 #include "renderer/camera/camera.h"
 #include "renderer/math/bounds.h"
 #include "renderer/math/elementary.h"
-#include "renderer/scene/outline.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/scene/scene.h"
+#include "scenes/import/put_vec3.h"
 #include "scenes/import/standard_view.h"
 
 namespace tessera {
 namespace {
-
-void put(const Vec3& v, v1::Vec3* out) {
-  out->set_x(v.x);
-  out->set_y(v.y);
-  out->set_z(v.z);
-}
 
 bool z_is_up(const RenderOptions& options, const v1::Scene& scene) {
   if (options.reading.up != ReadOptions::Up::by_format)
@@ -38,8 +32,7 @@ Bounds3 finite_bounds(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     const Bounds3 box = instance.shape->bounds();
     if (box.empty() || !is_finite(box.diagonal())) continue;
-    for (const Point3& corner : box_corners(box))
-      all.extend(instance.world_from_object.point(corner));
+    all.extend(instance.world_from_object.bounds(box));
   }
   return all;
 }
@@ -82,14 +75,14 @@ void turn_camera(const RenderOptions& options, const StandardView& view, const V
   const auto add_key = [&](double time, double angle) {
     v1::TransformKey& key = *camera.add_keys();
     key.set_time(time);
-    put(middle, key.mutable_transform()->add_steps()->mutable_translate());
+    put_vec3(middle, key.mutable_transform()->add_steps()->mutable_translate());
     v1::AxisAngle& turn = *key.mutable_transform()->add_steps()->mutable_rotate();
-    put(up, turn.mutable_axis());
+    put_vec3(up, turn.mutable_axis());
     turn.set_angle(angle);
     v1::LookAt& look = *key.mutable_transform()->add_steps()->mutable_look_at();
-    put(eye, look.mutable_eye());
-    put(eye - view.from * length(eye), look.mutable_target());
-    put(view.up, look.mutable_up());
+    put_vec3(eye, look.mutable_eye());
+    put_vec3(eye - view.from * length(eye), look.mutable_target());
+    put_vec3(view.up, look.mutable_up());
   };
   add_key(0, 0);
   add_key(frames / scene_frame_rate(options.scene, loaded.scene.settings()), 360);

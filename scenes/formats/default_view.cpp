@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "renderer/math/bounds.h"
+#include "renderer/math/transform.h"
 #include "renderer/math/vec.h"
+#include "scenes/import/put_vec3.h"
 #include "scenes/import/standard_view.h"
 #include "scenes/import/to_affine.h"
 
@@ -64,11 +66,7 @@ class BoundsFinder {
         box.extend(Point3{p[0], p[1], p[2]});
       }
     }
-    if (box.empty()) return;
-    for (int corner = 0; corner < 8; ++corner)
-      bounds_.extend(
-          world(Point3{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                       corner & 4 ? box.max.z : box.min.z}));
+    bounds_.extend(Transform(world).bounds(box));
   }
 
   static constexpr int kMaxDepth = 64;
@@ -78,12 +76,6 @@ class BoundsFinder {
   std::map<std::string, Bounds3> boxes_;
   Bounds3 bounds_;
 };
-
-void put(const Vec3& v, v1::Vec3* out) {
-  out->set_x(v.x);
-  out->set_y(v.y);
-  out->set_z(v.z);
-}
 
 void put(double r, double g, double b, v1::Color* out) {
   out->set_r(r);
@@ -95,7 +87,7 @@ void add_light(v1::Scene& scene, const char* name, const Vec3& from, double inte
                double warm) {
   v1::Light& light = *scene.add_nodes()->mutable_light();
   light.set_name(name);
-  put(-normalize(from), light.mutable_directional()->mutable_direction());
+  put_vec3(-normalize(from), light.mutable_directional()->mutable_direction());
   put(1, 1 - 0.04 * warm, 1 - 0.1 * warm, light.mutable_color());
   light.set_intensity(intensity);
 }
@@ -136,13 +128,11 @@ void add_background(v1::Scene& scene, const Frame& frame, bool z_is_up) {
     put(ring.r, ring.g, ring.b, rings.add_sky());
     if (ring.angle > 0) rings.add_sky_angles(ring.angle);
   }
-  const auto turn = [&background](const Vec3& axis, double angle) {
-    v1::AxisAngle& rotate = *background.mutable_orientation()->add_steps()->mutable_rotate();
-    put(axis, rotate.mutable_axis());
-    rotate.set_angle(angle);
-  };
-  turn(frame.right, kSoftBox);
-  if (z_is_up) turn({1, 0, 0}, 90);
+  v1::Transform& orientation = *background.mutable_orientation();
+  v1::AxisAngle& turn = *orientation.add_steps()->mutable_rotate();
+  put_vec3(frame.right, turn.mutable_axis());
+  turn.set_angle(kSoftBox);
+  if (z_is_up) stand_up(orientation);
 }
 
 bool has_light(const google::protobuf::RepeatedPtrField<v1::Node>& nodes) {

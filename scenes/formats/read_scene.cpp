@@ -26,6 +26,7 @@
 #include "scenes/formats/x3d/x3d_reader.h"
 #include "scenes/import/checked_pictures.h"
 #include "scenes/import/read_cache.h"
+#include "scenes/import/standard_view.h"
 #include "scenes/import/texture_loader.h"
 #include "scenes/import/warnings.h"
 
@@ -280,15 +281,13 @@ void surround(LoadedScene& loaded, bool z_is_up, const ReadOptions& options) {
   while (std::any_of(scene.textures().begin(), scene.textures().end(), is_taken)) name += '_';
   v1::Texture& texture = *scene.add_textures();
   texture.set_name(name);
-  texture.mutable_image()->set_file(fs::path(options.environment).filename().string());
+  const std::string file = fs::path(options.environment).filename().string();
+  texture.mutable_image()->set_file(file);
   load_textures(loaded, AssetFolder(options.environment), options);
+  texture.mutable_image()->set_file(to_utf8(file));
   scene.clear_background();
   scene.mutable_background()->mutable_panorama()->set_texture(name);
-  if (!z_is_up) return;
-  v1::AxisAngle& turn =
-      *scene.mutable_background()->mutable_orientation()->add_steps()->mutable_rotate();
-  turn.mutable_axis()->set_x(1);
-  turn.set_angle(90);
+  if (z_is_up) stand_up(*scene.mutable_background()->mutable_orientation());
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ class Texels {
 
 /// The texels of a row or column that one of the next level is the mean of, each by its share: up
 /// to three where their number is odd, so that all count alike (Guthe and Heckbert 2005,
-/// "Non-power-of- two mipmap creation").
+/// "Non-power-of-two mipmap creation").
 struct Taps {
   size_t first = 0, count = 0;
   std::array<float, 3> share{};

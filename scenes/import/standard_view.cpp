@@ -4,6 +4,8 @@
 #include <array>
 #include <iterator>
 
+#include "scenes/import/put_vec3.h"
+
 namespace tessera {
 namespace {
 
@@ -21,12 +23,6 @@ const std::array<NamedView, 7>& views() {
                                              {"bottom", {0, -1, 0}, {0, 0, 1}},
                                              {"iso", normalize(Vec3{0.55, 0.38, 1}), {0, 1, 0}}}};
   return all;
-}
-
-void put(const Vec3& v, v1::Vec3* out) {
-  out->set_x(v.x);
-  out->set_y(v.y);
-  out->set_z(v.z);
 }
 
 }  // namespace
@@ -47,14 +43,20 @@ StandardView standard_view(const std::string& name, bool z_is_up) {
   return {stood_up(view.from, z_is_up), stood_up(view.up, z_is_up)};
 }
 
+void stand_up(v1::Transform& transform) {
+  v1::AxisAngle& turn = *transform.add_steps()->mutable_rotate();
+  put_vec3({1, 0, 0}, turn.mutable_axis());
+  turn.set_angle(90);
+}
+
 v1::Camera standard_camera(const std::string& name, bool z_is_up, double field_of_view) {
   const StandardView view = standard_view(name, z_is_up);
   v1::Camera camera;
   camera.set_name(name);
   v1::LookAt& look = *camera.mutable_world_from_camera()->add_steps()->mutable_look_at();
-  put(view.from, look.mutable_eye());
+  put_vec3(view.from, look.mutable_eye());
   look.mutable_target();
-  if (!(view.up == Vec3{0, 1, 0})) put(view.up, look.mutable_up());
+  if (!(view.up == Vec3{0, 1, 0})) put_vec3(view.up, look.mutable_up());
   camera.mutable_perspective()->set_field_of_view(field_of_view);
   camera.set_frame_all(true);
   return camera;

@@ -12,6 +12,9 @@ namespace tessera {
 /// front, at +z, is at -y.
 inline Vec3 stood_up(const Vec3& v, bool z_is_up) { return z_is_up ? Vec3{v.x, -v.z, v.y} : v; }
 
+/// Adds that turn to a transform, as the first that acts.
+void stand_up(v1::Transform& transform);
+
 /// Directions of unit length: from where a scene is seen, and what is up in its picture.
 struct StandardView {
   Vec3 from, up;

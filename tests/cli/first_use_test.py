@@ -4,6 +4,7 @@ import fcntl
 import json
 import os
 import pty
+import shutil
 import signal
 import socket
 import struct
@@ -188,7 +189,9 @@ class StandardViews(TesseraTest):
         self.assertIn("panorama", text)
         self.assertNotIn("light {", text)
         self.assertNotIn("rings", text)
-        stats = self.render("t.obj", "--size", "9x9", "--workers", "0", "--environment", "sky.exr")
+        latin_1 = os.fsdecode(b"sky\xff.exr")
+        shutil.copy(self.folder / "sky.exr", self.folder / latin_1)
+        stats = self.render("t.obj", "--size", "9x9", "--workers", "0", "--environment", latin_1)
         self.assertEqual("path", stats["integrator_chosen"])
         self.assert_error(self.run_program("render", "t.obj", "--environment", "none.exr"), 2, "none.exr")
 

@@ -16,6 +16,7 @@
 #include "scenes/formats/gltf/gltf_transform.h"
 #include "scenes/import/decimal.h"
 #include "scenes/import/picture_problem.h"
+#include "scenes/import/put_vec3.h"
 
 namespace tessera {
 namespace {
@@ -44,12 +45,6 @@ void put(const Affine& from, v1::Transform* to) {
   v1::Matrix& matrix = *to->add_steps()->mutable_matrix();
   for (const auto& row : from.m)
     for (const double value : row) matrix.add_rows(value);
-}
-
-void put(const Vec3& from, v1::Vec3* to) {
-  to->set_x(from.x);
-  to->set_y(from.y);
-  to->set_z(from.z);
 }
 
 /// Returns whether a text is a version number in [least, beyond).
@@ -112,8 +107,7 @@ class GltfReader {
   }
 
  private:
-  /// A mesh that is shown with the same weights is one, but for nodes with a skin, each of which
-  /// bends its own.
+  /// A mesh that is shown with the same weights is one, but each node with a skin bends its own.
   struct MeshUse {
     size_t mesh, weights = 0;
     std::optional<size_t> bent_by{};  ///< the node
@@ -422,13 +416,13 @@ class GltfReader {
     const GltfValue kind = in["type"];
     const std::string type = kind.text("");
     if (type == "directional") {
-      put(normalize(direction), out.mutable_directional()->mutable_direction());
+      put_vec3(normalize(direction), out.mutable_directional()->mutable_direction());
     } else if (type == "point") {
-      put(position, out.mutable_point()->mutable_position());
+      put_vec3(position, out.mutable_point()->mutable_position());
     } else if (type == "spot") {
       v1::Light::Spot& spot = *out.mutable_spot();
-      put(position, spot.mutable_position());
-      put(normalize(direction), spot.mutable_direction());
+      put_vec3(position, spot.mutable_position());
+      put_vec3(normalize(direction), spot.mutable_direction());
       if (!aim(in["spot"], spot)) return;
     } else {
       kind.repair(kind.shown(), "directional, point or spot", "the light is left out");

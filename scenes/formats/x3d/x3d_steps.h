@@ -3,17 +3,12 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/math/vec.h"
 #include "scenes/formats/x3d/document/x3d_values.h"
+#include "scenes/import/put_vec3.h"
 
 namespace tessera {
 
 inline constexpr double degrees_from_radians(double radians) {
   return radians * (180 / 3.14159265358979323846);
-}
-
-inline void put_vec3(const Vec3& v, v1::Vec3* out) {
-  out->set_x(v.x);
-  out->set_y(v.y);
-  out->set_z(v.z);
 }
 
 /// Adds a step unless it does nothing.

@@ -267,7 +267,7 @@ TEST_F(ReadScene, GivesACameraWithinAModelALightOfItsOwn) {
       "\"buffers\":[{\"byteLength\":36,\"uri\":\"t.bin\"}]}";
   const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   write("t.bin", std::string(reinterpret_cast<const char*>(corners), sizeof corners));
-  const v1::Scene s = read_scene(write("room.gltf", head)).scene;
+  const v1::Scene s = read_scene(write("within.gltf", head)).scene;
   ASSERT_EQ(s.cameras_size(), 2);
   EXPECT_TRUE(s.cameras(0).headlight().has_point());
   EXPECT_FALSE(s.cameras(1).has_headlight());

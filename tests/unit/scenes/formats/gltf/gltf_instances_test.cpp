@@ -9,7 +9,7 @@ namespace {
 
 /// A triangle shown at the frames that `attributes` say, by a node at x = 10. Accessors: 0 the
 /// triangle, 1 shifts along y and x, 2 turns about z by 0 and 90 degrees in normalised shorts, 3
-/// sizes 1 and 2, 4 one shift, 5 shifts of which the second is not finite.
+/// sizes 1 and 2, 4 one shift, 5 shifts, the second not finite.
 LoadedScene instances(const std::string& attributes, const std::string& more = "") {
   return read(Binary()
                   .put(kSquare)
