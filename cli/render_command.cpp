@@ -5,7 +5,6 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "base/all_failures.h"
@@ -30,7 +29,6 @@
 #include "front/render_options.h"
 #include "front/tracing_farm.h"
 #include "renderer/image/image_file.h"
-#include "renderer/scene/read_settings.h"
 
 namespace tessera {
 namespace {
@@ -156,9 +154,7 @@ class RenderRun {
     if (options_.quiet) return;
     for (const auto& warnings :
          {scene_warnings(options_, scene_.loaded), file_warnings(options_, scene_.loaded)}) {
-      for (const std::string& warning : warnings) {
-        if (warned_.insert(warning).second) say_warning(warning);
-      }
+      for (const std::string& warning : warnings) warnings_.say(warning);
     }
   }
 
@@ -289,22 +285,16 @@ class RenderRun {
     }
     if (options_.trace && picture.report.trace)
       write_trace(statistics, frame_path(*options_.trace, frame));
-    for (const std::string& warning : report_warnings(picture.report)) say_warning(warning);
-    warn_of_brightness(rendered, picture);
+    for (const std::string& warning : report_warnings(picture.report))
+      warnings_.say(warning, frame);
+    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
+    for (const std::string& warning : brightness_warnings(
+             rendered.settings(), picture_paths(options_), picture.film, output))
+      warnings_.say(warning, frame);
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {
       print_end(picture, statistics, frame);
     }
-  }
-
-  void warn_of_brightness(const FrameRender& rendered, const RenderedPicture& picture) const {
-    const auto paths = picture_paths(options_);
-    if (!shows_light(rendered.settings().integrator()) ||
-        std::all_of(paths.begin(), paths.end(), holds_floats))
-      return;
-    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
-    for (const std::string& warning : brightness_warnings(picture.film, output))
-      say_warning(warning);
   }
 
   /// The timeline of the workers, and of this process around it.
@@ -348,8 +338,8 @@ class RenderRun {
   double traced_seconds_ = 0;  ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
-  uint32_t pass_samples_ = 0;     ///< of the picture that there is of this frame; 0: none
-  std::set<std::string> warned_;  ///< each once, not once a frame
+  uint32_t pass_samples_ = 0;  ///< of the picture that there is of this frame; 0: none
+  WarningsOnce warnings_;
 };
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -48,5 +50,16 @@ inline void say_error(std::string_view message) {
 inline void say_warning(std::string_view message) {
   say_error(escape_controls(fmt::format("warning: {}", message)));
 }
+/// Each once: what is so in many frames of an animation names the first one.
+class WarningsOnce {
+ public:
+  void say(const std::string& message, std::optional<int> frame = std::nullopt) {
+    if (!said_.insert(message).second) return;
+    say_warning(frame ? fmt::format("frame {}: {}", *frame, message) : message);
+  }
+
+ private:
+  std::set<std::string> said_;
+};
 
 }  // namespace tessera

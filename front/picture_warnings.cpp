@@ -212,7 +212,11 @@ std::vector<std::string> report_warnings(const JobReport& report) {
   return warnings;
 }
 
-std::vector<std::string> brightness_warnings(const Film& film, const OutputSettings& settings) {
+std::vector<std::string> brightness_warnings(const v1::FrameSettings& frame,
+                                             std::span<const std::filesystem::path> paths,
+                                             const Film& film, const OutputSettings& settings) {
+  if (!shows_light(frame.integrator()) || std::all_of(paths.begin(), paths.end(), holds_floats))
+    return {};
   constexpr double kMuch = 0.2, kStays = 0.02;  // of the pixels
   const bool cuts = settings.tone_curve == ToneCurve::clamp && !settings.color_management;
   if (!cuts) return {};

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,9 +21,12 @@ std::vector<std::string> scene_warnings(const RenderOptions& options, const Load
 /// What of a picture that was traced is hardly what was meant: samples that were no colour, or
 /// nothing but the background.
 std::vector<std::string> report_warnings(const JobReport& report);
-/// That much of a picture is brighter than white, where its tone curve just cuts that off, and by
-/// how much less light it would show. `settings`: of files of integers.
-std::vector<std::string> brightness_warnings(const Film& film, const OutputSettings& settings);
+/// That much of a picture of light is brighter than white, where a file of integers is among
+/// `paths` and its tone curve just cuts that off, and by how much less light it would show.
+/// `settings`: of such files.
+std::vector<std::string> brightness_warnings(const v1::FrameSettings& frame,
+                                             std::span<const std::filesystem::path> paths,
+                                             const Film& film, const OutputSettings& settings);
 /// What the files that they go to will not hold.
 std::vector<std::string> file_warnings(const RenderOptions& options, const LoadedScene& loaded);
 

@@ -165,6 +165,7 @@ Json summary_json(const SceneReading& reading) {
   }
   return {{"file", reading.file},
           {"version", reading.version},
+          {"revision", reading.revision},
           {"size", {settings.width(), settings.height()}},
           {"samples", settings.samples_per_pixel()},
           {"integrator", settings.integrator()},

@@ -137,6 +137,9 @@ class Render(TesseraTest):
         for options in (["--exposure", "-2"], ["-o", "bright.exr"], ["--tone-map", "filmic"]):
             told = self.run_program("render", "bright.tessera", *SMALL, *options)
             self.assertNotIn("brighter", told.err, options)
+        frames = self.run_program("render", "bright.tessera", *SMALL, "--frames", "3-5", "-o", "bright.png")
+        self.assertEqual(1, frames.err.count("brighter"), frames.err)
+        self.assertIn("frame 3: 97 % of the picture is brighter", frames.err)
 
     def test_frames(self):
         result = self.run_program("render", self.scene, *SMALL, "--frames", "3-5", "-o", "anim.png")

@@ -425,6 +425,9 @@ class Jobs(ServiceTest):
         for frame in range(3, 7):
             self.assertEqual((self.folder / f"rendered.{frame:04}.pfm").read_bytes(),
                              (self.folder / f"fetched.{frame:04}.pfm").read_bytes())
+        bright = self.run_program("fetch", job, "--exposure", 20, "-o", "bright.png", "--connect", self.endpoint)
+        self.assertEqual(1, bright.err.count("brighter than white"), bright.err)
+        self.assertIn("warning: frame 3: ", bright.err)
         self.stop(service, worker)
 
     def test_pause_resume_and_cancel(self):

@@ -118,7 +118,10 @@ class FarmPageTest(StudioPageTest):
 
     def test_an_animation_has_the_scenes_frames(self):
         self.scene("moving.tessera", scenes.MOVING.replace("frames { per_second: 10 }",
-                                                           "frames { first: 1 last: 3 per_second: 10 }"))
+                                                           "frames { first: 1 last: 3 per_second: 10 }") +
+                   'includes { file: "part.tessera" }')
+        part = "nodes { shape { sphere { radius: .2 } } }"
+        self.scene("part.tessera", part)
         page = self.begin(file="moving.tessera")
         self.show(page, "Animation")
         values = wait_until(lambda: (found := page.evaluate(
@@ -147,6 +150,12 @@ class FarmPageTest(StudioPageTest):
         seen = set()
         shown = "[...document.querySelectorAll('canvas.playback')].map((each) => each.toDataURL()).join()"
         wait_until(lambda: seen.add(page.evaluate(shown)) or len(seen - {""}) == 3, "all three frames are seen")
+        # What is typed elsewhere into a file that the scene includes changes them.
+        self.open(other, "part.tessera")
+        at = part.index(".2")
+        self.edit(other, 1, (at, at + 2, ".7"), file="part.tessera")
+        anew = set()
+        wait_until(lambda: anew.add(page.evaluate(shown)) or len(anew - seen - {""}) >= 3, "the frames are made anew")
 
     def test_an_animation_without_motion_is_asked_about(self):
         page = self.begin()

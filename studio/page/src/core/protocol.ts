@@ -257,6 +257,8 @@ export interface SceneCamera {
 export interface Summary {
   file: string;
   version: number;
+  /** Of all texts that are open: those that the file includes count, too. */
+  revision: number;
   digest: string;
   counts: [what: string, count: number][];
   cameras: SceneCamera[];
@@ -350,6 +352,8 @@ export interface JobReport {
   serial: number;
   file: string;
   version: number;
+  /** As in Summary; of what is shown. */
+  revision?: number;
   scale: number;
   samples: number;
   /** Whether the pass is the last of its picture. */

@@ -1,5 +1,5 @@
 // Pictures of the animation's frames, which the program makes while it has nothing better to do: all of
-// them coarse first, then as large as the view. Where the text is another, each is asked about, and made anew if its
+// them coarse first, then as large as the view. Where a text is another, each is asked about, and made anew if its
 // scene is another.
 
 import { effect, signal } from "@preact/signals";
@@ -31,8 +31,9 @@ export const shown = signal<ImageData | undefined>(undefined);
 let range: [first: number, last: number] = [0, -1];
 let frames = new Map<number, Frame>();
 let look = "";
-let version: number | undefined;
-/** Grows with each text. */
+/** Of the texts that were read last. */
+let read: number | undefined;
+/** Grows with each. */
 let generation = 0;
 export const pane = new HiddenPane<{ frame: number; scale: number }>(state.PANES_ASIDE.frames, settle);
 
@@ -74,11 +75,11 @@ function currentLook(): string {
 export function watchFrames(): void {
   effect(() => {
     const now = currentLook();
-    const read = state.summary.value?.version;
-    if (now === look && read === version) return;
+    const newest = state.summary.value?.revision;
+    if (now === look && newest === read) return;
     if (now !== look) frames = new Map();
     look = now;
-    version = read;
+    read = newest;
     askAnew();
   });
 }
@@ -109,7 +110,7 @@ function next(): void {
         overrides: state.overrides.peek(), channel: state.channel.peek(), tone: state.tone.peek(),
         hidden: state.hidden.peek(), solo: state.solo.peek(),
         ...(digest === undefined ? {} : { known: digest }),
-      }, version);
+      }, read);
       return;
     }
   }

@@ -6,7 +6,7 @@ import type { Painted } from "../worker/messages.js";
 
 /** Asks for one picture at a time; `What` tells the caller which one it is. */
 export class HiddenPane<What> {
-  private current: { what: What; wish: Omit<ViewWish, "pane">; version: number; done?: JobReport; painted?: number } | undefined;
+  private current: { what: What; wish: Omit<ViewWish, "pane">; revision: number; done?: JobReport; painted?: number } | undefined;
 
   /** `settle` is called with each picture that was asked for and the digest of its scene; with null where the program
       could make none, and with nothing where the one that is known is still right. */
@@ -20,11 +20,11 @@ export class HiddenPane<What> {
     return this.current?.what;
   }
 
-  /** `version`: of the text, at least, that what is known is held against. Returns false where there is no connection. */
-  ask(what: What, wish: Omit<ViewWish, "pane">, version = 0): boolean {
+  /** `revision`: of the texts, at least, that what is known is held against. Returns false where there is no connection. */
+  ask(what: What, wish: Omit<ViewWish, "pane">, revision = 0): boolean {
     program.toWorker({ kind: "size", pane: this.number, width: wish.size[0], height: wish.size[1] });
     if (!program.send("view", { ...wish, pane: this.number })) return false;
-    this.current = { what, wish, version };
+    this.current = { what, wish, revision };
     return true;
   }
 
@@ -39,7 +39,7 @@ export class HiddenPane<What> {
     if (job.state === "failed" || job.stale) this.finish(null);
     else if (job.unchanged) {
       // Not of what was asked for before.
-      const isMeant = job.frame === current.wish.frame && job.digest === current.wish.known && job.version >= current.version;
+      const isMeant = job.frame === current.wish.frame && job.digest === current.wish.known && (job.revision ?? 0) >= current.revision;
       if (isMeant) this.finish(undefined);
     } else if (job.state === "done" && job.serial !== undefined) {
       current.done = job;

@@ -392,6 +392,14 @@ TEST(X3dGeometry, LinesAndPointsAreAsWideInThePictureNearAndFar) {
   }
 }
 
+TEST(X3dGeometry, APointAloneIsSeen) {
+  for (const std::string at : {"0 0 0", "1e6 0 -3e5"}) {
+    const double point =
+        coverage("Shape { geometry PointSet { coord Coordinate { point " + at + " } } }");
+    EXPECT_GT(point, 20) << at;
+  }
+}
+
 TEST(X3dGeometry, LinesAndPointsAreAsWideWhereANodeIsStretched) {
   for (const std::string scale : {"1 100 1", "100 1 1"}) {
     const std::string begin =
