@@ -110,6 +110,7 @@ class SlurmTest(TesseraTest):
         self.scene = ROOT / "scenes/samples/knot.tessera"
 
     def tearDown(self):
+        self.wait_for_the_node()  # a job is said to be completed before its last process has ended
         shutil.rmtree(self.temporary / f"tessera-cache-{os.getuid()}")  # for the node's next job
         super().tearDown()
 
@@ -134,6 +135,10 @@ class SlurmTest(TesseraTest):
 
     def wait_for(self, job, *states):
         wait_until(lambda: time.sleep(.1) or self.state(job)["JobState"] in states, states)
+
+    def wait_for_the_node(self):
+        wait_until(lambda: time.sleep(.1) or
+                   self.cluster.ask("sinfo", "--noheader", "--format=%T").stdout.strip() == "idle", "the node is free")
 
     def log(self):
         return (self.folder / "slurm.log").read_text()
@@ -164,8 +169,7 @@ class SlurmTest(TesseraTest):
         requeued = self.cluster.ask("scontrol", "requeue", job)
         self.assertEqual(0, requeued.returncode, requeued.stderr)
         self.wait_for(job, "PENDING")
-        wait_until(lambda: "(" not in self.cluster.ask("sinfo", "-h", "-o", "%T").stdout and
-                   "idle" in self.cluster.ask("sinfo", "-h", "-o", "%T").stdout, "the node is free")
+        self.wait_for_the_node()
         kept = tiles_kept(self.farm)
         self.assertGreater(kept, 20)
         self.assert_right(job, 200)
