@@ -1,6 +1,6 @@
 """The calls of public_calls.LARGE: other threads run beside each, and Ctrl-C ends it, on inputs that take
-long. Each runs in an interpreter of its own, on two processors. All times are processor times, which load
-does not change."""
+long. Each runs in an interpreter of its own, on two processors. All times are processor times, which
+load hardly changes."""
 import json
 import os
 import subprocess
