@@ -288,8 +288,8 @@ class RenderRun {
     for (const std::string& warning : report_warnings(picture.report))
       warnings_.say(warning, frame);
     const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
-    for (const std::string& warning : brightness_warnings(
-             rendered.settings(), picture_paths(options_), picture.film, output))
+    for (const std::string& warning :
+         brightness_warnings(rendered.settings(), picture_paths(options_), picture.film, output))
       warnings_.say(warning, frame);
     if (failure) throw *failure;
     if (!options_.quiet && !stats_to_standard_output(options_)) {

@@ -332,7 +332,8 @@ void LiveViews::tell(const ViewId& id, Pane& pane, std::string_view state, Json 
                {"height", pane.wish.height}});
   if (state == "failed")
     more["why"] = pane.output_fault.empty() ? pane.why_failed : pane.output_fault;
-  if (pane.shown) more.update({{"version", pane.shown->version}, {"revision", pane.shown->revision}});
+  if (pane.shown)
+    more.update({{"version", pane.shown->version}, {"revision", pane.shown->revision}});
   if (!pane.stale.is_null()) more["stale"] = pane.stale;
   SendText message = page_answer(id.client, "job", std::move(more));
   if (message.text == pane.told) return;

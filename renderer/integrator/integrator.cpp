@@ -6,11 +6,39 @@
 #include "base/uninitialized.h"
 #include "renderer/accel/ray_batch.h"
 #include "renderer/integrator/batch_tracer.h"
-#include "renderer/integrator/path_tracer.h"
+#include "renderer/integrator/path_batches.h"
 #include "renderer/integrator/views.h"
-#include "renderer/integrator/whitted.h"
+#include "renderer/integrator/whitted_batches.h"
 
 namespace tessera {
+
+namespace {
+
+/// Follows all rays in batches; a single one is a batch of one.
+class BatchIntegrator final : public Integrator {
+ public:
+  explicit BatchIntegrator(std::shared_ptr<const Scene> scene)
+      : scene_(std::move(scene)),
+        batches_(scene_->settings.integrator == IntegratorKind::path
+                     ? make_path_batches(*scene_)
+                     : make_whitted_batches(*scene_)) {}
+
+  Color background(const Ray& ray) const override {
+    return scene_->background.radiance(ray.origin, ray.direction, scene_->lights);
+  }
+  Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
+    Color found;
+    batches_->radiances({&ray, 1}, {&key, 1}, {&found, 1}, state);
+    return found;
+  }
+  const BatchTracer* batches() const override { return batches_.get(); }
+
+ private:
+  std::shared_ptr<const Scene> scene_;
+  std::unique_ptr<const BatchTracer> batches_;
+};
+
+}  // namespace
 
 void TraceCounters::add_to(CounterMap& map) const {
   map["node_visits"] += traversal.node_visits;
@@ -59,8 +87,7 @@ void Integrator::radiances(const Camera& camera, std::span<const Sampler::Raster
 std::unique_ptr<const Integrator> make_integrator(std::shared_ptr<const Scene> scene) {
   const RenderSettings& settings = scene->settings;
   if (auto view = make_surface_view(scene, settings.view)) return view;
-  auto integrator =
-      settings.integrator == IntegratorKind::path ? make_path_tracer(scene) : make_whitted(scene);
+  auto integrator = std::make_unique<BatchIntegrator>(scene);
   if (settings.view == View::cost) return make_cost_view(std::move(integrator));
   return integrator;
 }

@@ -44,7 +44,7 @@ struct TraceCounters {
   void add_to(CounterMap& map) const;
 };
 
-/// A stretch of a path that is still to be followed.
+/// A stretch of a Whitted path that is still to be followed.
 struct PathSegment {
   Ray ray;  ///< its direction is of unit length
   Color throughput = kWhite;
@@ -53,6 +53,14 @@ struct PathSegment {
   double view_distance = 0;  ///< metres back to the viewer or the last bend, for fog
   uint32_t depth = 0;        ///< reflections and refractions so far
   uint32_t passes = 0;       ///< surfaces passed unbent so far
+};
+
+/// A segment that waits until others of its camera ray are followed.
+struct WaitingSegment {
+  static constexpr uint32_t kNone = ~0u;
+
+  PathSegment segment;
+  uint32_t below = kNone;  ///< what is followed after it; of a free place: another one
 };
 
 class BatchTracer;
@@ -70,26 +78,23 @@ class LastOccluders {
   std::array<uint32_t, kLights> instances_;
 };
 
-/// What one thread needs while it traces; made once a tile, so that no ray allocates.
+/// What one thread needs while it traces; made once a tile, so that hardly a ray allocates.
 struct TraceState {
   TraceCounters counters;
   LastOccluders last_occluders;
-  std::vector<PathSegment> stack;
-  Camera::PixelCone cone;  ///< of the sample that is being traced; its owner sets it
+  std::vector<WaitingSegment> waiting;  ///< of the batch that is being traced
+  Camera::PixelCone cone;               ///< of the sample that is being traced
 };
 
 /// Radiance along camera rays. Immutable; may be called from many threads, each with its state.
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  /// Takes the memory that following rays may need, so that none is taken on the way.
-  virtual void make_room(TraceState&) const {}
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
   /// What finds the radiance along many camera rays faster than radiance() of each, if anything.
   virtual const BatchTracer* batches() const { return nullptr; }
   /// radiance(), to the last bit, of each of `rays` with its key, 1 to RayBatch::kMost camera rays
-  /// that begin at the same t. By batches() each has its sample's cone, else
-  /// TraceState::cone.
+  /// that begin at the same t. By batches() each has its sample's cone, else that of `state`.
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const;
   /// The same of the camera's rays through raster points.

@@ -48,7 +48,7 @@ class PathWavefront : public PathWavefrontHits {
   void follow(std::span<const SampleKey> keys) {
     for (size_t i = 0; i < keys.size(); ++i)
       streams_[i] = scene_.sampler->stream(keys[i].x, keys[i].y, keys[i].sample);
-    if (scene_.features.rich) find_cones(keys);
+    find_cones(keys);
     std::fill_n(now_->radiance_scale, keys.size(), 1.0);
     std::fill_n(now_->density, keys.size(), 0.0);
     if (passes_) {

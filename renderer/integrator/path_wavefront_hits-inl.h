@@ -36,11 +36,6 @@ class PathWavefrontHits : public Wavefront<PathRays> {
   PathWavefrontHits(const PathSurfaces& surfaces, std::span<Color> found, TraceState& state)
       : Wavefront(surfaces.scene(), found, state), surfaces_(surfaces) {}
 
-  void find_cones(std::span<const SampleKey> keys) {
-    const uint32_t rays = std::max(scene_.camera->lens_samples(), 1u);
-    for (size_t i = 0; i < keys.size(); ++i) cones_[i] = scene_.cones.of(keys[i].sample / rays);
-  }
-
   /// Finds what the front's paths meet, those that scatter evenly first, unless all are to be
   /// `alone`; calls act(places, count) for those that meet nothing, with room behind `places`.
   template <typename Act>
@@ -181,8 +176,6 @@ class PathWavefrontHits : public Wavefront<PathRays> {
   }
 
   uint32_t uneven_[RayBatch::kMost];
-  Uninitialized<Camera::PixelCone, RayBatch::kMost>
-      cones_;  ///< of the paths, where something is rich
 };
 
 }  // namespace HWY_NAMESPACE

@@ -81,7 +81,6 @@ struct ShowId {
 class CostView final : public Integrator {
  public:
   explicit CostView(std::unique_ptr<const Integrator> inner) : inner_(std::move(inner)) {}
-  void make_room(TraceState& state) const override { inner_->make_room(state); }
   Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const override {
     const TraversalCounters& counters = state.counters.traversal;
     const uint64_t before = counters.node_visits + counters.primitive_tests;

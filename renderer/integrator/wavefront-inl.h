@@ -62,6 +62,13 @@ class Wavefront {
     }
   }
 
+  /// Of the camera rays, where something is rich.
+  void find_cones(std::span<const SampleKey> keys) {
+    if (!scene_.features.rich) return;
+    const uint32_t rays = std::max(scene_.camera->lens_samples(), 1u);
+    for (size_t i = 0; i < keys.size(); ++i) cones_[i] = scene_.cones.of(keys[i].sample / rays);
+  }
+
   void find_hits() {
     if (!scene_.surfaces) {
       std::fill_n(hits_.data(), now_->rays.count, Hit{});
@@ -126,8 +133,9 @@ class Wavefront {
   TraceState& state_;
   Front fronts_[2];
   Front *now_ = &fronts_[0], *next_ = &fronts_[1];
-  Uninitialized<Hit, RayBatch::kMost> hits_;  ///< of now_
-  uint32_t vertex_ = 0;                       ///< surfaces met before
+  Uninitialized<Hit, RayBatch::kMost> hits_;                 ///< of now_
+  uint32_t vertex_ = 0;                                      ///< steps before this one
+  Uninitialized<Camera::PixelCone, RayBatch::kMost> cones_;  ///< by find_cones()
 };
 
 /// The batches that `Follower` follows, by what it wants to know of the scene's surfaces.

@@ -16,8 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-std::unique_ptr<const BatchTracer> whitted_batches(const Scene& scene, const SegmentTracer& alone) {
-  return std::make_unique<BatchTracerOf<WhittedWavefront>>(scene, alone);
+std::unique_ptr<const BatchTracer> whitted_batches(const Scene& scene) {
+  return std::make_unique<BatchTracerOf<WhittedWavefront>>(scene);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -27,12 +27,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace tessera {
 
-bool can_batch_whitted(const Scene& scene) { return scene.features.simple && scene.surfaces; }
-
 std::unique_ptr<const BatchTracer> make_whitted_batches(const Scene& scene,
-                                                        const SegmentTracer& alone,
                                                         std::string_view instructions) {
-  return code_of_target(TESSERA_EACH_TARGET(whitted_batches), instructions)(scene, alone);
+  return code_of_target(TESSERA_EACH_TARGET(whitted_batches), instructions)(scene);
 }
 
 }  // namespace tessera

@@ -1,14 +1,27 @@
 #include "renderer/integrator/whitted_surfaces.h"
 
+#include "renderer/integrator/surface_point.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/surface_interaction.h"
 
 namespace tessera {
 
-WhittedSurfaces::WhittedSurfaces(const Scene& scene, const SegmentTracer& alone)
+namespace {
+
+/// Whether each of its materials is, from both sides.
+bool is_simple(const Scene& scene, uint32_t instance) {
+  const InstanceShading& shading = scene.shading[instance];
+  for (uint32_t i = 0; i < shading.material_count; ++i)
+    if (!scene.material(instance, i).is_simple()) return false;
+  return !shading.is_veil;
+}
+
+}  // namespace
+
+WhittedSurfaces::WhittedSurfaces(const Scene& scene)
     : scene_(scene),
-      alone_(alone),
-      batches_shadows_(scene.occluders.opaque && scene.occluders.opaque->takes_batches()) {
+      batches_shadows_(scene.occluders.opaque && scene.occluders.opaque->takes_batches()),
+      at_camera_(media_at_camera(scene)) {
   for (const std::vector<uint32_t>& scope : scene.scoped_lights) {
     Color& ambient = ambients_.emplace_back(scene.settings.ambient);
     Scene::for_each_light(scene.global_lights.all(), scope,
@@ -18,6 +31,8 @@ WhittedSurfaces::WhittedSurfaces(const Scene& scene, const SegmentTracer& alone)
     const Instance& instance = scene.instances[i];
     Placed& placed = placed_.emplace_back();
     placed.light_set = scene.shading[i].light_set;
+    placed.is_simple = scene.features.plain_light && is_simple(scene, static_cast<uint32_t>(i));
+    are_simple_ &= placed.is_simple;
     if (!instance.world_from_object.is_identity()) continue;
     placed.facing = instance.flip_normals ? -1 : 1;
     if (instance.shape->kind() == ShapeKind::sphere) placed.form = Form::sphere;

@@ -1,5 +1,5 @@
-// Part of whitted_batches.cpp, compiled once for each instruction set: local_radiance() and ideal
-// mirrors, a lane a ray.
+// Part of whitted_batches.cpp, compiled once for each instruction set: Whitted's rays, whose hits
+// of simple materials are looked at a lane a ray, the others by whitted_hit().
 #if defined(TESSERA_WHITTED_WAVEFRONT_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_WHITTED_WAVEFRONT_INL_H
 #undef TESSERA_WHITTED_WAVEFRONT_INL_H
@@ -13,6 +13,8 @@
 #include <bit>
 #include <cmath>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "renderer/accel/carved_lanes-inl.h"
 #include "renderer/accel/instance_soa.h"
@@ -25,6 +27,7 @@
 #include "renderer/integrator/whitted_surfaces.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/shading/bent_normal.h"
+#include "renderer/shading/media.h"
 #include "renderer/shapes/lane_surface-inl.h"
 #include "renderer/shapes/plane.h"
 #include "renderer/shapes/sphere.h"
@@ -57,15 +60,36 @@ struct HitBundle {
   Lanes3 arriving, share;
 };
 
-/// Follows rays from mirror to mirror, and ends them at all else.
-class WhittedWavefront : public Wavefront<WavefrontRays> {
+/// At most one segment of each camera ray.
+struct WhittedRays : WavefrontRays {
+  uint32_t depth[RayBatch::kMost];  ///< reflections and refractions so far
+  // Where not all surfaces are simple.
+  uint32_t passes[RayBatch::kMost];       ///< surfaces passed unbent so far
+  double view_distance[RayBatch::kMost];  ///< metres back to the viewer or the last bend
+  Media media[RayBatch::kMost];           ///< that the ray begins in
+};
+
+/// Follows what each camera ray brings segment by segment, in the order in which it would be
+/// followed alone, whatever the others meet.
+class WhittedWavefront : public Wavefront<WhittedRays> {
  public:
   using Surfaces = WhittedSurfaces;
   WhittedWavefront(const Surfaces& surfaces, std::span<Color> found, TraceState& state)
       : Wavefront(surfaces.scene(), found, state), surfaces_(surfaces) {}
 
-  /// The camera's rays, which draw no numbers.
-  void follow(std::span<const SampleKey>) {
+  /// The camera's rays.
+  void follow(std::span<const SampleKey> keys) {
+    keys_ = keys;
+    find_cones(keys);
+    std::fill_n(now_->depth, keys.size(), 0u);
+    if (!surfaces_.are_simple()) {
+      std::fill_n(now_->passes, keys.size(), 0u);
+      std::fill_n(now_->view_distance, keys.size(), 0.0);
+      std::fill_n(now_->media, keys.size(), surfaces_.at_camera());
+      std::fill_n(top_, keys.size(), WaitingSegment::kNone);
+      std::fill_n(followed_, keys.size(), 1u);
+      state_.waiting.clear();
+    }
     follow_all([this] HWY_ATTR { step(); });
   }
 
@@ -75,7 +99,8 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
   /// Up to the next hits, and what is seen there.
   void step() {
     find_hits();
-    // Room for what fills a vector up.
+    sent_on_ = 0;
+    // With space for what fills a vector up.
     uint32_t left[RayBatch::kMost], missed[RayBatch::kMost + kLanes],
         same[RayBatch::kMost + kLanes];
     size_t n = 0, misses = 0;
@@ -89,10 +114,88 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
     const size_t together = surfaces_.batches_shadows() ? RayBatch::kMost : kLanes;
     while (n > 0) {
       const uint32_t instance = hits_[left[0]].instance;
-      const size_t count = take_instance(left, n, same);
+      const size_t count = take_simple(instance, same, take_instance(left, n, same));
       for (size_t i = 0; i < count; i += together)
         shade(same + i, std::min(together, count - i), instance);
     }
+    if (!surfaces_.are_simple()) go_on_with_waiting();
+  }
+
+  // ---------------------------------------------------------------------------- one by one
+
+  /// Looks at those of the places, all of hits of the instance, that vectors are not for; returns
+  /// how many are left, whose last vector is filled up again.
+  size_t take_simple(uint32_t instance, uint32_t* places, size_t count) {
+    const bool is_simple = surfaces_.placed(instance).is_simple;
+    if (is_simple && surfaces_.are_simple()) return count;
+    size_t n = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const uint32_t place = places[i];
+      if (is_simple && tessera::is_black(now_->media[place].absorption()))
+        places[n++] = place;
+      else
+        look_alone(place);
+    }
+    std::fill_n(places + n, kLanes, places[0]);
+    return n;
+  }
+  void look_alone(uint32_t place) {
+    const uint32_t number = now_->number[place];
+    PathSegment segment{.ray = now_->rays.ray(place),
+                        .throughput = throughput(place),
+                        .media = {},
+                        .path_length = now_->path_length[place],
+                        .depth = now_->depth[place]};
+    if (!surfaces_.are_simple()) {
+      segment.media = now_->media[place];
+      segment.view_distance = now_->view_distance[place];
+      segment.passes = now_->passes[place];
+    }
+    if (scene_.features.rich) state_.cone = cones_[number];
+    Branches branches;
+    bring(place, surfaces_.look(segment, hits_[place], keys_[number], branches, state_));
+    for (const PathSegment& branch : branches.all()) put_aside(branch, number);
+  }
+  void put_aside(const PathSegment& segment, uint32_t number) {
+    std::vector<WaitingSegment>& waiting = state_.waiting;
+    if (free_ == WaitingSegment::kNone) {
+      free_ = static_cast<uint32_t>(waiting.size());
+      waiting.emplace_back();
+    }
+    const uint32_t at = free_;
+    free_ = waiting[at].below;
+    waiting[at] = {segment, top_[number]};
+    top_[number] = at;
+  }
+  /// Each camera ray whose segment sends none on by itself goes on with what waits last.
+  void go_on_with_waiting() {
+    for (uint32_t place = 0; place < now_->rays.count; ++place) {
+      const uint32_t number = now_->number[place], at = top_[number];
+      if ((sent_on_ >> place & 1) != 0 || at == WaitingSegment::kNone) continue;
+      if (followed_[number]++ >= kMaxSegments) {
+        ++state_.counters.paths_cut;
+        top_[number] = WaitingSegment::kNone;
+        continue;
+      }
+      WaitingSegment& next = state_.waiting[at];
+      send(next.segment, number);
+      top_[number] = std::exchange(next.below, free_);
+      free_ = at;
+    }
+  }
+  void send(const PathSegment& segment, uint32_t number) {
+    RayBatch& rays = next_->rays;
+    const size_t at = rays.count++;
+    put(segment.ray.origin - Point3{}, at, rays.origin);
+    put(segment.ray.direction, at, rays.direction);
+    rays.t_max[at] = segment.ray.t_max;
+    put(segment.throughput, at, next_->throughput);
+    next_->path_length[at] = segment.path_length;
+    next_->number[at] = number;
+    next_->depth[at] = segment.depth;
+    next_->passes[at] = segment.passes;
+    next_->view_distance[at] = segment.view_distance;
+    next_->media[at] = segment.media;
   }
 
   void bring(uint32_t place, const Color& seen) {
@@ -200,7 +303,11 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
     const LaneSurface& surface = bundle.surface;
     const auto is_back = hn::Gt(dot(surface.front, bundle.direction), hn::Zero(kLaneTag));
     // Such surfaces are met from behind by the last digit alone.
-    if (material.sides == Sides::front_only) leave_alone(bundle, movemask(is_back) & bundle.bits);
+    if (material.sides == Sides::front_only) {
+      uint32_t behind = movemask(is_back) & bundle.bits;
+      bundle.bits &= ~behind;
+      while (behind != 0) look_alone(bundle.places[take_lowest_lane(behind)]);
+    }
     bundle.geometric_normal = select(is_back, negate(surface.front), surface.front);
     bundle.normal = select(is_back, negate(surface.shading), surface.shading);
     bundle.diffuse = broadcast(material.diffuse);
@@ -210,28 +317,14 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
                                 : multiply(bundle.diffuse, bundle.tint);
       bundle.diffuse = select(mask_of(bundle.tinted), tinted, bundle.diffuse);
     }
-    state_.counters.hits += static_cast<uint64_t>(std::popcount(bundle.bits));
+    const auto hits = static_cast<uint64_t>(std::popcount(bundle.bits));
+    state_.counters.hits += hits;
+    if (scene_.features.rich) state_.counters.texture_points_skipped += hits;
   }
   void bring(const uint32_t* places, uint32_t bits, const Stored3& results) {
     while (bits != 0) {
       const size_t lane = take_lowest_lane(bits);
       bring(places[lane], results.color(lane));
-    }
-  }
-
-  /// Leaves the paths of those lanes to be followed one by one.
-  void leave_alone(HitBundle& bundle, uint32_t bits) {
-    bundle.bits &= ~bits;
-    while (bits != 0) {
-      const uint32_t place = bundle.places[take_lowest_lane(bits)];
-      Color& sum = sum_of(place);
-      sum = surfaces_.alone().trace_to_end(sum,
-                                           {.ray = now_->rays.ray(place),
-                                            .throughput = throughput(place),
-                                            .media = {},
-                                            .path_length = now_->path_length[place],
-                                            .depth = vertex_},
-                                           state_);
     }
   }
 
@@ -512,32 +605,44 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
     const Lanes most = max(weight.x, max(weight.y, weight.z));
     const uint32_t faint = movemask(hn::Lt(most, broadcast(kFaintest))) & bundle.bits;
     state_.counters.branches_skipped += static_cast<uint64_t>(std::popcount(faint));
-    uint32_t onward = bundle.bits & ~faint;
+    uint32_t onward = bundle.bits & ~faint, beyond = 0;  // what sees the background at most
+    for (uint32_t left = onward; left != 0;) {
+      const size_t lane = take_lowest_lane(left);
+      beyond |= uint32_t{now_->depth[bundle.places[lane]] >= scene_.settings.max_depth} << lane;
+    }
+    onward &= ~beyond;
+    if (!scene_.settings.background_at_max_depth) beyond = 0;
+    state_.counters.rays_reflection += static_cast<uint64_t>(std::popcount(onward));
     const Stored3 results(result);
-    const bool ends = vertex_ >= scene_.settings.max_depth;
-    const bool sees_beyond = scene_.settings.background_at_max_depth;
-    if (ends && !sees_beyond) onward = 0;
-    if (!ends) state_.counters.rays_reflection += static_cast<uint64_t>(std::popcount(onward));
-    bring(bundle.places, ends ? bundle.bits & ~onward : bundle.bits, results);
-    if (onward == 0) return;
+    bring(bundle.places, bundle.bits & ~beyond, results);
+    if ((onward | beyond) == 0) return;
     const Lanes3 origin = origin_towards(bundle.surface, way);
-    if (ends) {
+    if (beyond != 0) {
       const Stored3 origins(origin), ways(way), weights(weight);
-      while (onward != 0) {
-        const size_t lane = take_lowest_lane(onward);
+      while (beyond != 0) {
+        const size_t lane = take_lowest_lane(beyond);
         Color sum = results.color(lane);
         sum += weights.color(lane) * background({origins.point(lane), ways.vec(lane)});
         bring(bundle.places[lane], sum);
       }
-      return;
     }
+    if (onward == 0) return;
     RayBatch& rays = next_->rays;
     append(origin, onward, rays.count, rays.origin);
     append(way, onward, rays.count, rays.direction);
     append(weight, onward, rays.count, next_->throughput);
     append(bundle.path_length, onward, next_->path_length + rays.count);
-    while (onward != 0)
-      next_->number[rays.count++] = now_->number[bundle.places[take_lowest_lane(onward)]];
+    while (onward != 0) carry(bundle.places[take_lowest_lane(onward)], rays.count++);
+  }
+  /// What a segment's reflection keeps of it.
+  void carry(uint32_t place, size_t at) {
+    next_->number[at] = now_->number[place];
+    next_->depth[at] = now_->depth[place] + 1;
+    if (surfaces_.are_simple()) return;
+    next_->passes[at] = now_->passes[place];
+    next_->view_distance[at] = 0;
+    next_->media[at] = now_->media[place];
+    sent_on_ |= uint64_t{1} << place;
   }
 
   /// mirrored_view() in the lanes `bent`.
@@ -555,7 +660,13 @@ class WhittedWavefront : public Wavefront<WavefrontRays> {
 
   static constexpr size_t kMostBundles = (RayBatch::kMost + kLanes - 1) / kLanes;
   const Surfaces& surfaces_;
+  std::span<const SampleKey> keys_;
   HitBundle bundles_[kMostBundles];
+  // Of what is not simple, by camera rays.
+  uint32_t top_[RayBatch::kMost];       ///< what waits last, in TraceState::waiting, or kNone
+  uint32_t followed_[RayBatch::kMost];  ///< segments
+  uint32_t free_ = WaitingSegment::kNone;
+  uint64_t sent_on_ = 0;  ///< a bit for each place of the front with a segment in the next one
 };
 
 }  // namespace HWY_NAMESPACE

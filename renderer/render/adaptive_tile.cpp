@@ -38,7 +38,6 @@ class AdaptiveTile {
   /// Whether it was not cancelled.
   bool render() {
     const PixelRect frame{0, 0, scene_.settings.width, scene_.settings.height};
-    beside_.stack.reserve(state_.stack.capacity());
     const PixelRect& rect = task_.rect;
     const PixelRect first = block_at(rect.x0, rect.y0, frame);
     for (int y = first.y0; y < rect.y1; y += kBlockSide) {

@@ -22,8 +22,6 @@ class SampleTracer {
  public:
   explicit SampleTracer(std::shared_ptr<const Scene> scene);
 
-  void make_room(TraceState& state) const { integrator_->make_room(state); }
-
   /// How a sample is found.
   using Way = Sample (SampleTracer::*)(const SampleKey&, TraceState&) const;
   Sample trace(const SampleKey& key, TraceState& state) const;

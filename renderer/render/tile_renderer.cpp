@@ -43,7 +43,6 @@ class SceneTileRenderer final : public TileRenderer {
     tile.channels = aovs_.aovs().channels();
     tile.values.resize(static_cast<size_t>(task.rect.area()) * static_cast<size_t>(tile.channels));
     TileState state;
-    tracer_.make_room(state);
     tile.counters["rays_background_skipped"] = 0;
     tile.counters["tiles_background"] = intersection(scene_->seen, task.rect).empty() ? 1 : 0;
     if (scene_->background.is_constant() && !scene_->seen.contains(task.rect)) {

@@ -41,11 +41,10 @@ struct SceneFeatures {
   bool rich = false;       ///< materials with textures, or of other models than classic and unlit
   bool veils = false;      ///< some surface may let a ray through unbent
   bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
-  /// Nothing but opaque classic materials and lights of which an occluder takes all, and no fog: no
-  /// ray is sent on in more than one direction.
-  bool simple = false;
+  /// No fog, and lights whose ambient part reaches all, and of which an occluder takes all.
+  bool plain_light = false;
 
-  int absent() const { return !shadows + !secondary + !rich + lambert + simple; }
+  int absent() const { return !shadows + !secondary + !rich + lambert + plain_light; }
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built

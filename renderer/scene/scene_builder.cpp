@@ -19,7 +19,6 @@
 #include "renderer/scene/read_shape.h"
 #include "renderer/scene/scene_graph.h"
 #include "renderer/scene/seen_rect.h"
-#include "renderer/scene/simple_features.h"
 #include "renderer/shading/media.h"
 
 namespace tessera {
@@ -75,7 +74,7 @@ class SceneBuilder {
     add_lights(choice);
     if (settings.integrator == IntegratorKind::path) add_path_lights();
     build_accelerators();
-    scene_->features.simple = has_simple_features(*scene_, is_any_clear_);
+    scene_->features.plain_light = has_plain_light();
     scene_->seen = seen_rect(*scene_);
     count();
     return scene_;
@@ -322,7 +321,6 @@ class SceneBuilder {
         names_->instances.push_back(in.name ? *in.name : graph_.shapes[in.shape].shape->name());
       is_clear_.push_back(materials.is_clear);
       is_veil_.push_back(materials.is_veil);
-      is_any_clear_ |= materials.is_clear;
       scene_->features.veils |= materials.is_veil;
       scene_->features.secondary |= materials.has_secondary;
     }
@@ -373,6 +371,15 @@ class SceneBuilder {
     const std::vector<bool> all(instances.size(), true);
     scene_->path_occluders =
         casts == all && is_veil_ == is_clear_ ? scene_->occluders : occluders_of(is_veil_, all);
+  }
+
+  bool has_plain_light() const {
+    const auto is_plain = [&](const Light& light) {
+      const bool whole_shadow = light.casts_shadow && light.shadow_intensity == 1;
+      return !light.ambient_attenuated && (whole_shadow || !scene_->features.shadows);
+    };
+    return !scene_->occluders.clear && scene_->fog.kind == FogKind::none &&
+           std::ranges::all_of(scene_->lights, is_plain);
   }
 
   void count() {
@@ -435,7 +442,6 @@ class SceneBuilder {
   std::vector<BuiltShape> shapes_;               // one a graph shape
   std::vector<uint32_t> instance_shapes_;        // one an instance: its graph shape
   std::vector<bool> is_clear_, is_veil_;         // one an instance
-  bool is_any_clear_ = false;
 };
 
 }  // namespace

@@ -217,7 +217,6 @@ TEST(PathBatches, FollowsEachPathAsItIsFollowedAlone) {
     for (SampleKey& key : keys) key = random.key();
     std::vector<Color> expected(rays.size());
     TraceState state;
-    integrator->make_room(state);
     for (size_t i = 0; i < rays.size(); ++i) {
       state.cone = scene->cones.of(has_lens ? keys[i].sample / 3 : keys[i].sample);
       expected[i] = integrator->radiance(rays[i], keys[i], state);
@@ -256,7 +255,6 @@ TEST(PathBatches, SendsRaysThroughRasterPointsAsTheCameraDoes) {
     std::vector<Sampler::RasterSample> points;
     std::vector<Color> expected;
     TraceState state;
-    integrator->make_room(state);
     for (int i = 0; i < 61; ++i) {
       keys.push_back({i % 16, i / 4, static_cast<uint32_t>(i % 7)});
       points.push_back(
@@ -287,7 +285,6 @@ std::vector<Color> expect_same_alone(const std::string& text, const MakeRay& mak
   std::vector<SampleKey> keys(rays.size());
   std::vector<Color> expected(rays.size()), found(rays.size());
   TraceState state;
-  integrator->make_room(state);
   for (size_t i = 0; i < rays.size(); ++i) {
     rays[i] = make_ray();
     keys[i] = {static_cast<int>(i), 0, 0};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/integrator/integrator.h"
+#include "renderer/integrator/whitted_surfaces.h"
 #include "renderer/scene/scene_builder.h"
 #include "tests/unit/renderer/scene_text.h"
 
@@ -29,7 +30,6 @@ constexpr int kWidth = 24, kHeight = 18;
 /// A sample of each pixel, in batches where the integrator takes them.
 std::vector<Color> traced(const std::shared_ptr<const Scene>& scene, TraceState& state) {
   const auto integrator = make_integrator(scene);
-  integrator->make_room(state);
   std::vector<Ray> rays;
   std::vector<SampleKey> keys;
   for (int y = 0; y < kHeight; ++y) {
@@ -76,7 +76,7 @@ TEST(SimpleFeatures, KeepTheBitsAndAreToldFromOthers) {
        }) {
     const v1::Scene scene = parse_scene(scene_with(feature.material, feature.light, feature.rest));
     const auto chosen = build_scene(scene, {}, frame_of(kWidth, kHeight), 1);
-    EXPECT_EQ(chosen->features.simple, feature.is_simple)
+    EXPECT_EQ(WhittedSurfaces(*chosen).are_simple(), feature.is_simple)
         << feature.material << feature.light << feature.rest;
     const auto full = with_every_feature(build_scene(scene, {}, frame_of(kWidth, kHeight), 1));
     TraceState state, full_state;

@@ -263,12 +263,14 @@ TEST(TileRenderer, tells_within_a_pixel_that_it_gets_on) {
               lens { radius_x: .1 radius_y: .1 focal_distance: 9 samples: 1024 } }
     nodes { shape { sphere {} } })";
   const auto nothing = [](v1::FrameSettings&) {};
-  EXPECT_EQ(work_of(kMixed, 4096, nothing), 4u);
+  EXPECT_EQ(work_of(kMixed, 4096, nothing), 64u) << "a batch each";
+  const auto view = [](v1::FrameSettings& frame) { frame.set_integrator("normals"); };
+  EXPECT_EQ(work_of(kMixed, 4096, view), 4u) << "a thousand samples each";
   EXPECT_EQ(work_of(kLens, 8, nothing), 8u);
   const auto albedo = [](v1::FrameSettings& frame) {
     frame.set_aovs(AovSet().with(Aov::albedo).bits());
   };
-  EXPECT_EQ(work_of(kMixed, 4096, albedo), 4u + 4);
+  EXPECT_EQ(work_of(kMixed, 4096, albedo), 64u + 4);
   const auto error = [](v1::FrameSettings& frame) { frame.set_target_error(1e-12); };
   EXPECT_GE(work_of(kMixed, 1 << 15, error), 32u);
 }
