@@ -36,15 +36,14 @@ struct InstanceShading {
 
 /// What tracing this scene may leave out.
 struct SceneFeatures {
-  bool shadows = false;    ///< some light casts shadows and something may
-  bool secondary = false;  ///< mirrors, transparency, absorption, surfaces without back faces
-  bool rich = false;       ///< materials with textures, or of other models than classic and unlit
-  bool veils = false;      ///< some surface may let a ray through unbent
-  bool lambert = false;    ///< no material but classic ones that only scatter evenly or shine
+  bool shadows = false;  ///< some light casts shadows and something may
+  bool rich = false;     ///< materials with textures, or of other models than classic and unlit
+  bool veils = false;    ///< some surface may let a ray through unbent
+  bool lambert = false;  ///< no material but classic ones that only scatter evenly or shine
   /// No fog, and lights whose ambient part reaches all, and of which an occluder takes all.
   bool plain_light = false;
 
-  int absent() const { return !shadows + !secondary + !rich + lambert + plain_light; }
+  int absent() const { return !shadows + !rich + lambert + plain_light; }
 };
 
 /// One frame, ready to be traced: made of exactly what its picture depends on. Immutable once built

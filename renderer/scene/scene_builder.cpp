@@ -28,9 +28,8 @@ namespace {
 /// One shape's materials, and what follows for every instance of it.
 struct ShapeMaterials {
   uint32_t first = 0, count = 0;
-  bool is_clear = false;       ///< may let shadow rays through
-  bool is_veil = false;        ///< may let any ray through unbent
-  bool has_secondary = false;  ///< may send a ray on
+  bool is_clear = false;  ///< may let shadow rays through
+  bool is_veil = false;   ///< may let any ray through unbent
   KeptAttributes keep;
   Cull cull = Cull::none;
 };
@@ -255,8 +254,7 @@ class SceneBuilder {
       const Material* sides[] = {material, &materials_.materials()[material->back]};
       const size_t count = material->sides == Sides::back_material ? 2 : 1;
       for (size_t side = 0; side < count; ++side) {
-        if (!sides[side]->is_opaque()) entry.is_clear = entry.has_secondary = true;
-        if (sides[side]->is_mirror() || fills(*sides[side])) entry.has_secondary = true;
+        if (!sides[side]->is_opaque()) entry.is_clear = true;
         entry.is_veil |= sides[side]->is_veil();
         const uint32_t number = side == 0 ? index : material->back;
         entry.keep.uvs |= materials_.needs_uv(number);
@@ -268,7 +266,7 @@ class SceneBuilder {
     if (one_sided == entry.count) {
       entry.cull = Cull::back;
     } else if (one_sided > 0) {
-      entry.is_clear = entry.is_veil = entry.has_secondary = true;
+      entry.is_clear = entry.is_veil = true;
     }
   }
 
@@ -300,7 +298,7 @@ class SceneBuilder {
     for (size_t i = 0; i < shapes_.size(); ++i) {
       if (shapes_[i].has_clear_vertices) {
         ShapeMaterials& materials = shape_materials_[i];
-        materials.is_clear = materials.is_veil = materials.has_secondary = true;
+        materials.is_clear = materials.is_veil = true;
       }
     }
   }
@@ -322,7 +320,6 @@ class SceneBuilder {
       is_clear_.push_back(materials.is_clear);
       is_veil_.push_back(materials.is_veil);
       scene_->features.veils |= materials.is_veil;
-      scene_->features.secondary |= materials.has_secondary;
     }
   }
 

@@ -23,9 +23,11 @@ class AnyScene : RandomScene {
  public:
   explicit AnyScene(uint32_t seed) : RandomScene(seed), is_simple_(seed % 4 < 2) {
     text_ = fmt::format(
-        "settings {{ integrator {{ kind: 'whitted' max_depth: {} background_at_max_depth: {} }} "
-        "}} ",
-        pick(0, 5), chance(.5));
+        "settings {{ integrator {{ kind: 'whitted' max_depth: {} background_at_max_depth: {} {} "
+        "}} }} ",
+        pick(0, 5), chance(.5),
+        // Shadows of glass keep all of a scene from vectors.
+        !is_simple_ && chance(.5) ? "shadows: SHADOWS_OFF" : "");
     if (chance(.5))
       add_panorama();
     else
@@ -89,6 +91,7 @@ class AnyScene : RandomScene {
     if (!is_simple_ && chance(.4)) {
       text_ += fmt::format(" transparency {{ value: {:.3f} }}", random_.between(0, 1));
       if (chance(.6)) text_ += " transmission: REFRACT refractive_index: 1.5";
+      if (chance(.5)) text_ += fmt::format(" absorption {{ {} }}", rgb(1 / size_));
     }
     if (!is_simple_ && chance(.2)) text_ += " flat: true";
     if (!is_simple_ && chance(.2)) text_ += " grain: .5";

@@ -157,13 +157,6 @@ TEST(Scene, knows_what_tracing_may_leave_out) {
   EXPECT_FALSE(features("materials { name: 'm' } " + ball).shadows);
   EXPECT_FALSE(features(lamp).shadows);
   EXPECT_TRUE(features(lamp + "materials { name: 'm' } " + ball).shadows);
-  EXPECT_FALSE(features(lamp + "materials { name: 'm' } " + ball).secondary);
-  EXPECT_TRUE(
-      features("materials { name: 'm' classic { reflectivity { value { b: 1 } } } } " + ball)
-          .secondary);
-  EXPECT_TRUE(
-      features("materials { name: 'm' classic { transparency { value: .1 } } } " + ball).secondary);
-  EXPECT_FALSE(features("materials { name: 'm' sides: FRONT_ONLY } " + ball).secondary);
   const auto scene =
       build(lamp + "materials { name: 'm' classic { transparency { value: .1 } } } " + ball +
             "nodes { shape { sphere {} } }");
