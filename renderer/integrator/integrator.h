@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "renderer/math/color.h"
 #include "renderer/sampler/sampler.h"
@@ -55,14 +54,6 @@ struct PathSegment {
   uint32_t passes = 0;       ///< surfaces passed unbent so far
 };
 
-/// A segment that waits until others of its camera ray are followed.
-struct WaitingSegment {
-  static constexpr uint32_t kNone = ~0u;
-
-  PathSegment segment;
-  uint32_t below = kNone;  ///< what is followed after it; of a free place: another one
-};
-
 class BatchTracer;
 
 /// The opaque instance that the last shadow ray to a light ended in: the next ray to it is likely
@@ -78,12 +69,11 @@ class LastOccluders {
   std::array<uint32_t, kLights> instances_;
 };
 
-/// What one thread needs while it traces; made once a tile, so that hardly a ray allocates.
+/// What one thread needs while it traces; made once a tile, so that no ray allocates.
 struct TraceState {
   TraceCounters counters;
   LastOccluders last_occluders;
-  std::vector<WaitingSegment> waiting;  ///< of the batch that is being traced
-  Camera::PixelCone cone;               ///< of the sample that is being traced
+  Camera::PixelCone cone;  ///< of the sample that is being traced
 };
 
 /// Radiance along camera rays. Immutable; may be called from many threads, each with its state.

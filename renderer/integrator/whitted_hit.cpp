@@ -148,6 +148,11 @@ class WhittedHit {
 
 }  // namespace
 
+std::vector<WaitingSegment>& waiting_segments() {
+  thread_local std::vector<WaitingSegment> segments;
+  return segments;
+}
+
 template <bool kRich>
 Color whitted_hit(const Scene& scene, const PathSegment& segment, const Hit& hit,
                   const SampleKey& key, Branches& branches, TraceState& state) {

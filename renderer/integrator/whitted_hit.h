@@ -2,11 +2,23 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "renderer/integrator/integrator.h"
 
 namespace tessera {
+
+/// A segment that waits until others of its camera ray are followed.
+struct WaitingSegment {
+  static constexpr uint32_t kNone = ~0u;
+
+  PathSegment segment;
+  uint32_t below = kNone;  ///< what is followed after it; of a free place: another one
+};
+/// The thread's own, for one batch at a time.
+std::vector<WaitingSegment>& waiting_segments();
 
 /// What is to be followed from a hit, in this order put aside, so that the last is followed first:
 /// what passes straight, what is refracted and what is mirrored.

@@ -88,7 +88,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       std::fill_n(now_->media, keys.size(), surfaces_.at_camera());
       std::fill_n(top_, keys.size(), WaitingSegment::kNone);
       std::fill_n(followed_, keys.size(), 1u);
-      state_.waiting.clear();
+      waiting_.clear();
     }
     follow_all([this] HWY_ATTR { step(); });
   }
@@ -157,14 +157,13 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     for (const PathSegment& branch : branches.all()) put_aside(branch, number);
   }
   void put_aside(const PathSegment& segment, uint32_t number) {
-    std::vector<WaitingSegment>& waiting = state_.waiting;
     if (free_ == WaitingSegment::kNone) {
-      free_ = static_cast<uint32_t>(waiting.size());
-      waiting.emplace_back();
+      free_ = static_cast<uint32_t>(waiting_.size());
+      waiting_.emplace_back();
     }
     const uint32_t at = free_;
-    free_ = waiting[at].below;
-    waiting[at] = {segment, top_[number]};
+    free_ = waiting_[at].below;
+    waiting_[at] = {segment, top_[number]};
     top_[number] = at;
   }
   /// Each camera ray whose segment sends none on by itself goes on with what waits last.
@@ -177,7 +176,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
         top_[number] = WaitingSegment::kNone;
         continue;
       }
-      WaitingSegment& next = state_.waiting[at];
+      WaitingSegment& next = waiting_[at];
       send(next.segment, number);
       top_[number] = std::exchange(next.below, free_);
       free_ = at;
@@ -663,7 +662,8 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
   std::span<const SampleKey> keys_;
   HitBundle bundles_[kMostBundles];
   // Of what is not simple, by camera rays.
-  uint32_t top_[RayBatch::kMost];       ///< what waits last, in TraceState::waiting, or kNone
+  std::vector<WaitingSegment>& waiting_ = waiting_segments();
+  uint32_t top_[RayBatch::kMost];       ///< what waits last, in waiting_, or kNone
   uint32_t followed_[RayBatch::kMost];  ///< segments
   uint32_t free_ = WaitingSegment::kNone;
   uint64_t sent_on_ = 0;  ///< a bit for each place of the front with a segment in the next one

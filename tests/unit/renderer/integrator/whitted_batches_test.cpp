@@ -198,7 +198,7 @@ TEST(WhittedBatches, FollowsEachRayAsItIsFollowedAlone) {
     hits += state.counters.hits;
     reflections += state.counters.rays_reflection;
     refractions += state.counters.rays_refraction;
-    branched += !state.waiting.empty();
+    branched += !waiting_segments().empty();
     shadows += state.counters.rays_shadow;
     sorted_out += !scene->global_lights.is_everywhere();
     culled += state.counters.lights_culled;
