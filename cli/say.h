@@ -50,11 +50,14 @@ inline void say_error(std::string_view message) {
 inline void say_warning(std::string_view message) {
   say_error(escape_controls(fmt::format("warning: {}", message)));
 }
-/// Each once: what is so in many frames of an animation names the first one.
+/// Says each warning once, whatever numbers are in it; of an animation, with the first frame that
+/// it is said of.
 class WarningsOnce {
  public:
   void say(const std::string& message, std::optional<int> frame = std::nullopt) {
-    if (!said_.insert(message).second) return;
+    std::string words = message;
+    std::erase_if(words, [](char c) { return ('0' <= c && c <= '9') || c == '.' || c == '-'; });
+    if (!said_.insert(std::move(words)).second) return;
     say_warning(frame ? fmt::format("frame {}: {}", *frame, message) : message);
   }
 

@@ -232,8 +232,7 @@ std::vector<std::string> brightness_warnings(const v1::FrameSettings& frame,
   const double share = static_cast<double>(brighter.size()) / static_cast<double>(pixels);
   if (share < kMuch) return {};
   const auto staying =
-      brighter.begin() +
-      static_cast<ptrdiff_t>(kStays / share * static_cast<double>(brighter.size()));
+      brighter.begin() + static_cast<ptrdiff_t>(kStays * static_cast<double>(pixels));
   std::nth_element(brighter.begin(), staying, brighter.end(), std::greater<>());
   const double stops = std::floor(-2 * std::log2(double{*staying})) / 2;  // by halves
   return {fmt::format(

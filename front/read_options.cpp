@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "front/option_values.h"
 
 namespace tessera {
@@ -24,12 +25,6 @@ void add_choice(OptionGroup& group, const char* name, const char* type, const ch
   });
 }
 
-Error not_there(std::string_view option, std::string_view what, const std::string& path,
-                const std::error_code& failure) {
-  return usage_error(fmt::format("{}: there is no {} '{}'{}", option, what, path,
-                                 failure ? ": " + failure.message() : ""));
-}
-
 }  // namespace
 
 void add_read_options(OptionList& list, ReadOptions& options) {
@@ -44,7 +39,8 @@ void add_read_options(OptionList& list, ReadOptions& options) {
             [&options](const std::string& folder) {
               std::error_code failure;
               if (!std::filesystem::is_directory(folder, failure))
-                throw not_there("--assets", "folder", folder, failure);
+                throw usage_error(fmt::format("--assets: there is no folder '{}'{}", folder,
+                                              failure ? ": " + failure.message() : ""));
               options.assets = folder;
             });
   scene.add(
@@ -52,9 +48,11 @@ void add_read_options(OptionList& list, ReadOptions& options) {
       "A panorama in place of the background, such as an .exr or .hdr; it alone lights a model "
       "that brings no lights",
       [&options](const std::string& file) {
-        std::error_code failure;
-        if (!std::filesystem::is_regular_file(file, failure))
-          throw not_there("--environment", "file", file, failure);
+        try {
+          check_input_file(file, UINT64_MAX);
+        } catch (const Error& error) {
+          throw usage_error(fmt::format("--environment: {}", error.what()));
+        }
         options.environment = file;
       });
   add_choice(

@@ -12,8 +12,8 @@ bool brings_camera(const RenderOptions& options);
 void check_view(const RenderOptions& options);
 
 /// Puts the camera that they ask for in place of the scene's, whose first one's headlight it keeps.
-/// Up is where --up says, else where the first camera has it if that is z, else y. --turntable
-/// builds the scene, and throws what that throws.
+/// Up is where --up says, else z where the first camera's look_at says so, else y. --turntable
+/// goes around what there is in the first frame; it builds the scene, and throws what that throws.
 void use_view(const RenderOptions& options, LoadedScene& loaded);
 
 }  // namespace tessera

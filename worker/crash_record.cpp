@@ -81,7 +81,11 @@ void on_crash(int signal) {
   struct sigaction by_default {};
   by_default.sa_handler = SIG_DFL;
   // From here on a request to end does that, rather than set a flag that nobody will read.
-  for (const int each : {SIGINT, SIGTERM, SIGHUP}) sigaction(each, &by_default, nullptr);
+  for (const int each : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now {};
+    if (sigaction(each, nullptr, &now) == 0 && now.sa_handler == SIG_IGN) continue;
+    sigaction(each, &by_default, nullptr);
+  }
   if (!*restart->stop) {
     restart->shared->signal = signal;
     restart->shared->thread = own_thread;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/shading/bent_normal.h"
+#include "renderer/shading/clamped_normal.h"
 
 namespace tessera {
 
@@ -164,7 +164,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
   const double width = cone_width(state.cone, path_length);
   Vec3 facets;
   if (kRich && material.model != MaterialModel::classic)
-    facets = bent_normal(point.normal, point.geometric_normal, wo);
+    facets = clamped_normal(point.normal, point.geometric_normal, wo);
   const bool has_shadows = scene.features.shadows;
   const LightBuffer* const buffers =
       has_shadows ? scene.occluders.buffers_at(point.surface) : nullptr;

@@ -4,7 +4,7 @@
 
 #include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/surface_point.h"
-#include "renderer/shading/bent_normal.h"
+#include "renderer/shading/clamped_normal.h"
 
 namespace tessera {
 
@@ -96,7 +96,7 @@ class WhittedHit {
     if (!sends_on(material)) return kBlack;
     const Vec3 d = end.ray.direction;
     const Vec3& facet = point.geometric_normal;
-    const Vec3 n = bent_normal(point.normal, facet, -d);
+    const Vec3 n = clamped_normal(point.normal, facet, -d);
     const double cosine = std::clamp(-dot(d, n), 0.0, 1.0);
     Color share = kRich ? mirrored_share(material, cosine) : material.reflectivity;
     Color result = kBlack;
@@ -111,12 +111,12 @@ class WhittedHit {
       if (fresnel < 1 && (material.thin || refract(d, n, eta, beyond))) {
         const double through = weight * material.transparency * (1 - fresnel);
         const Color tint = kRich ? transmission_tint(material) : kWhite;
-        beyond = kept_on_side(beyond, facet, true);
+        beyond = reflected_to_side(beyond, facet, true);
         result += bend(end, origins, beyond, tint * through, media_beyond(end.media, point),
                        state_.counters.rays_refraction);
       }
     }
-    const Vec3 back = mirrored_view(n, facet, -d);
+    const Vec3 back = mirror_direction(n, facet, -d);
     return result +
            bend(end, origins, back, share * weight, end.media, state_.counters.rays_reflection);
   }

@@ -26,7 +26,7 @@
 #include "renderer/integrator/wavefront-inl.h"
 #include "renderer/integrator/whitted_surfaces.h"
 #include "renderer/math/lanes-inl.h"
-#include "renderer/shading/bent_normal.h"
+#include "renderer/shading/clamped_normal.h"
 #include "renderer/shading/media.h"
 #include "renderer/shapes/lane_surface-inl.h"
 #include "renderer/shapes/plane.h"
@@ -593,7 +593,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3& d = bundle.direction;
     const Lanes3 straight = reflect(d, bundle.normal);
-    // As bent_normal() asks.
+    // As clamped_normal() asks.
     const Lanes half = hn::Mul(dot(d, bundle.geometric_normal), broadcast(-0.5));
     const Lanes least =
         hn::IfThenElse(hn::Lt(half, broadcast(kLeastMirrored)), half, broadcast(kLeastMirrored));
@@ -644,7 +644,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     sent_on_ |= uint64_t{1} << place;
   }
 
-  /// mirrored_view() in the lanes `bent`.
+  /// mirror_direction() in the lanes `bent`.
   static Lanes3 bent_back(const HitBundle& bundle, const Lanes3& way, uint32_t bent) {
     if (bent == 0) return way;
     const Stored3 shading(bundle.normal), facets(bundle.geometric_normal), d(bundle.direction);
@@ -652,7 +652,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     while (bent != 0) {
       const size_t lane = take_lowest_lane(bent);
       const Vec3 facet = facets.vec(lane), wo = -d.vec(lane);
-      ways.put(lane, mirrored_view(bent_normal(shading.vec(lane), facet, wo), facet, wo));
+      ways.put(lane, mirror_direction(clamped_normal(shading.vec(lane), facet, wo), facet, wo));
     }
     return ways.load();
   }

@@ -39,15 +39,15 @@ FacetAlbedo mean_of_facets(double alpha) {
 }
 
 /// Whether what it shows depends on where it is seen from.
-bool is_directed(const Material& material) {
+bool is_view_dependent(const Material& material) {
   return material.model != MaterialModel::classic || !is_black(material.specular) ||
          !is_black(material.reflectivity) ||
          (material.transmission == Transmission::refract && material.transparency > 0);
 }
 
 Vec3 normal_of_facets(const BsdfPoint& point) {
-  if (!is_directed(point.material)) return point.normal;
-  return bent_normal(point.normal, point.geometric_normal, point.wo);
+  if (!is_view_dependent(point.material)) return point.normal;
+  return clamped_normal(point.normal, point.geometric_normal, point.wo);
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ Bsdf::Bsdf(const BsdfPoint& point)
   wo_ = frame_.to_local(point.wo);
   leans_ = point.normal != point.geometric_normal;
   if (frame_.z != point.normal) base_normal_ = frame_.to_local(point.normal);
-  if (!(wo_.z > 0) && is_directed(point.material)) return;
+  if (!(wo_.z > 0) && is_view_dependent(point.material)) return;
   const Material& material = point.material;
   const double index = material.refractive_index;
   thin_ = material.thin;
@@ -343,7 +343,7 @@ bool Bsdf::sample(double choice, const Vec2& u, BsdfSample& sample) const {
     return false;
   }
   const Vec3 way = frame_.from_local(wi);
-  sample.wi = kept_on_side(way, facet_normal_, sample.is_beyond);
+  sample.wi = reflected_to_side(way, facet_normal_, sample.is_beyond);
   if (dot(way, facet_normal_) == 0) return false;
   if (sample.is_mirror) return true;
   const BsdfValue value = evaluate_on_side(wi, way, sample.is_beyond);

@@ -3,7 +3,7 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/frame.h"
 #include "renderer/math/warp.h"
-#include "renderer/shading/bent_normal.h"
+#include "renderer/shading/clamped_normal.h"
 #include "renderer/shading/coat.h"
 #include "renderer/shading/material.h"
 #include "renderer/shading/microfacet.h"
@@ -63,7 +63,7 @@ class LambertBsdf {
   bool sample(double, const Vec2& u, BsdfSample& sample) const {
     const Vec3 local = cosine_hemisphere_point(u);
     const Vec3 way = Frame(normal_).from_local(local);
-    sample.wi = kept_on_side(way, facet_, false);
+    sample.wi = reflected_to_side(way, facet_, false);
     sample.weight = albedo_;
     sample.density = density_of(local.z) + density_mirrored_to(way);
     sample.radiance_scale = 1;
@@ -98,10 +98,9 @@ class LambertBsdf {
 ///               its facets (Kulla and Conty again), or a thin sheet of it, whose facets let
 ///               light through into where they would reflect it to on the other side.
 ///
-/// Facets, mirror and glass stand about the bent_normal(), what lies under them about the shading
-/// normal. What either sends to the wrong side of the surface is mirrored at it, so that normals
-/// lose no light.
-/// A value of one point; lives while its BsdfPoint's material does.
+/// Facets, mirror and glass stand about the clamped_normal(), what lies under them about the
+/// shading normal. What either sends to the wrong side of the surface is mirrored at it, so that
+/// normals lose no light. A value of one point; lives while its BsdfPoint's material does.
 class Bsdf {
  public:
   explicit Bsdf(const BsdfPoint& point);

@@ -72,9 +72,6 @@ Color physical_share(const Material& material, const Color& base, double n_dot_l
 
 Color any_reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
                           const Vec3& facets, const Vec3& wi, const Vec3& wo) {
-  if (material.model == MaterialModel::classic) {
-    return reflected_share(material, diffuse, n, wi, wo);
-  }
   const double n_dot_l = std::max(dot(n, wi), 0.0);
   if (n_dot_l == 0 && dot(facets, wi) <= 0) return kBlack;
   const Vec3 half = normalize(wi + wo);

@@ -144,8 +144,8 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
   return share;
 }
 
-/// The same of a material of any model; in all but the classic one light behind the surface gives
-/// nothing, and facets stand about the bent_normal() `facets`.
+/// The same of a material of another model than classic: light behind the surface gives nothing,
+/// and facets stand about the clamped_normal() `facets`.
 Color any_reflected_share(const Material& material, const Color& diffuse, const Vec3& n,
                           const Vec3& facets, const Vec3& wi, const Vec3& wo);
 

@@ -81,7 +81,7 @@ HWY_INLINE void take_to_world(const Transform& world_from_object, bool flip_norm
   }
   s.shading = select(is_flat, s.front, s.shading);
   if (flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
-  const auto is_behind = hn::Lt(dot(s.front, s.shading), broadcast(kInsideOut));
+  const auto is_behind = hn::Lt(dot(s.front, s.shading), broadcast(kFlipCosine));
   s.shading = select(is_behind, negate(s.shading), s.shading);
 }
 

@@ -61,7 +61,7 @@ void take_to_world(const Transform& world_from_object, bool flip_normals, uint32
     place_moved(world_from_object, s);
   }
   if (flip_normals) s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;
-  if (dot(s.geometric_normal, s.shading_normal) < kInsideOut) s.shading_normal = -s.shading_normal;
+  if (dot(s.geometric_normal, s.shading_normal) < kFlipCosine) s.shading_normal = -s.shading_normal;
   s.instance = instance;
 }
 

@@ -14,7 +14,7 @@ using SurfaceInteraction = LocalSurface;
 
 /// A normal of vertices whose cosine to its face's is less stands for a mesh whose normals point
 /// inward, and is turned round; others may lean as far from the face as they do.
-inline constexpr double kInsideOut = -0.5;
+inline constexpr double kFlipCosine = -0.5;
 
 /// Takes the surface into world space where it stands. Normals go by the inverse transpose, so that
 /// the front stays the front under a mirroring transform too; `flip_normals` turns them round.

@@ -92,11 +92,12 @@ Change add_crt(const Outline& outline, const EntityTemplate& made) {
     if (name == "material") material = value;
   }
   const Entity* scene = nullptr;
-  const Entity* settings = nullptr;
+  const int at_settings = settings_of(outline);
+  const Entity* const settings =
+      at_settings < 0 ? nullptr : &outline.entities()[static_cast<size_t>(at_settings)];
   const Entity* last_material = nullptr;
   for (const Entity& entity : outline.entities()) {
     if (entity.type == "Scene") scene = &entity;
-    if (entity.kind == EntityKind::settings) settings = &entity;
     if (entity.kind == EntityKind::material && !entity.name.empty() && entity.parent == 0)
       last_material = &entity;
   }

@@ -269,7 +269,9 @@ void add_others(const std::string& path, const ReadOptions& options, FileReader&
 void warn_of_up(LoadedScene& loaded, const std::string& path, const ReadOptions& options) {
   const bool turns = options.brings_camera || !options.environment.empty();
   if (options.up == ReadOptions::Up::by_format || turns) return;
-  add_warning(loaded, path, "--up: turns nothing; expected a model by itself, or --view");
+  add_warning(
+      loaded, path,
+      "--up: turns nothing; expected a model by itself, --view, --turntable or --environment");
 }
 
 /// Puts ReadOptions::environment around the scene.
@@ -293,6 +295,7 @@ void surround(LoadedScene& loaded, bool z_is_up, const ReadOptions& options) {
 }  // namespace
 
 void check_scene_format(const std::string& path, const std::string& format) {
+  check_input_file(path, UINT64_MAX);
   format_of(path, format);
 }
 

@@ -194,6 +194,7 @@ class StandardViews(TesseraTest):
         stats = self.render("t.obj", "--size", "9x9", "--workers", "0", "--environment", latin_1)
         self.assertEqual("path", stats["integrator_chosen"])
         self.assert_error(self.run_program("render", "t.obj", "--environment", "none.exr"), 2, "none.exr")
+        self.assert_error(self.run_program("render", "t.obj", "--environment", "."), 2, "is a folder; expected a file")
 
     def test_only_one_says_what_is_seen_when(self):
         for options, names in ((("--view", "top", "--camera", "1"), ("--view", "--camera")),

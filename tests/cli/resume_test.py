@@ -97,6 +97,11 @@ class Resume(TesseraTest):
         self.load(self.spp)
         self.assertEqual(kept, self.finish())
 
+    def test_no_file_is_made_for_a_scene_that_is_missing(self):
+        result = self.run_program("render", "missing.stl", "--resume", "-o", "missing.png")
+        self.assert_error(result, 1, "missing.stl: no such file")
+        self.assertEqual([], list(self.folder.glob("missing*")))
+
     def test_a_file_of_something_else_is_refused_and_kept(self):
         self.kept.write_bytes(b"diary " * 1000)
         result = self.run_program("render", self.scene, *LOAD, self.spp, "-o", "picture.png", "--resume")

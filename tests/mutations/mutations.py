@@ -88,7 +88,7 @@ MUTATIONS = [
              "return std::max(cosine, 0.0) *", "return (cosine > 0) *", "integrator_test",
              "PathBatches.*"),
     Mutation("light: what leaning normals send into the surface is lost",
-             "renderer/shading/bent_normal.h",
+             "renderer/shading/clamped_normal.h",
              "(is_beyond ? side > 0 : side < 0) ? reflect(direction, facet) : direction",
              "direction", "shading_test", "Bsdf.*"),
     Mutation("rows: Lambert without the cosine", "renderer/shading/lane_lambert-inl.h",

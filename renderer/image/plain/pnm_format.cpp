@@ -69,7 +69,7 @@ std::optional<Header> read_header(char kind, NumberReader& in) {
   if (std::max(*width, *height) > PixelLayout::kMostSide) return std::nullopt;
   header.most = *most;
   header.layout = {static_cast<int32_t>(*width), static_cast<int32_t>(*height), is_rgb ? 3 : 1,
-                   *most == 1 || *most == UINT8_MAX ? 8 : 32};
+                   UINT8_MAX % *most == 0 ? 8 : 32};
   if (!header.layout.is_legal()) return std::nullopt;
   return header;
 }

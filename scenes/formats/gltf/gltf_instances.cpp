@@ -9,7 +9,8 @@ namespace tessera {
 
 std::optional<std::vector<Affine>> read_gltf_instances(GltfFile& file, const GltfValue& node) {
   constexpr std::string_view kTaken = "the mesh is shown once";
-  constexpr uint64_t kCost = 1024;  // numbers' worth of memory that an instance takes, about
+  constexpr double kRounding = 1. / 64;  // of the four bytes of a quaternion
+  constexpr uint64_t kCost = 1024;       // numbers' worth of memory that an instance takes, about
   const GltfValue in = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
   if (!in) return std::nullopt;
   std::optional<size_t> count;
@@ -41,7 +42,8 @@ std::optional<std::vector<Affine>> read_gltf_instances(GltfFile& file, const Glt
         frame = translation({shifts[i * 3], shifts[i * 3 + 1], shifts[i * 3 + 2]});
       if (!turns.empty()) {
         const auto begin = turns.begin() + static_cast<std::ptrdiff_t>(i * 4);
-        frame = frame * gltf_rotation(std::vector<double>(begin, begin + 4), in["ROTATION"]);
+        frame =
+            frame * gltf_rotation(std::vector<double>(begin, begin + 4), in["ROTATION"], kRounding);
       }
       if (!sizes.empty())
         frame = frame * scaling({sizes[i * 3], sizes[i * 3 + 1], sizes[i * 3 + 2]});

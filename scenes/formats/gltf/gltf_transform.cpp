@@ -8,15 +8,14 @@
 
 namespace tessera {
 
-Affine gltf_rotation(const std::vector<double>& q, const GltfValue& place) {
-  constexpr double kRounding = 1e-3;  // of the decimals that programs write
+Affine gltf_rotation(const std::vector<double>& q, const GltfValue& place, double rounding) {
   const double x = q[0], y = q[1], z = q[2], w = q[3];
   const double squared = x * x + y * y + z * z + w * w, length = std::sqrt(squared);
   if (squared < std::numeric_limits<double>::min()) {
-    place.repair("a quaternion of length 0", "a unit one", "the node is not turned");
+    place.repair("a quaternion of length 0", "a unit one", "nothing is turned");
     return {};
   }
-  if (std::abs(length - 1) > kRounding)
+  if (std::abs(length - 1) > rounding)
     place.repair(fmt::format("a quaternion of length {:.4g}", length), "a unit one",
                  "its direction is taken");
   const double s = 2 / squared;
@@ -61,7 +60,8 @@ Affine gltf_transform(const GltfValue& node) {
   };
   const Affine shift = translation(vec("translation", 0));
   const GltfValue rotation = node["rotation"];
-  const Affine turn = gltf_rotation(rotation.numbers({0, 0, 0, 1}), rotation);
+  constexpr double kDecimals = 1e-3;  // that programs write
+  const Affine turn = gltf_rotation(rotation.numbers({0, 0, 0, 1}), rotation, kDecimals);
   return shift * turn * scaling(vec("scale", 1));
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "renderer/math/elementary.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 
@@ -40,8 +41,8 @@ void X3dTranslator::add_light(const X3dNode& node, Nodes& out) {
     v1::Light::Spot& spot = *light.mutable_spot();
     put_vec3(location, spot.mutable_position());
     put_vec3(direction, spot.mutable_direction());
-    spot.set_beam_width(degrees_from_radians(std::min(beam, cut_off)));
-    spot.set_cut_off(degrees_from_radians(cut_off));
+    spot.set_beam_width(portable::degrees(std::min(beam, cut_off)));
+    spot.set_cut_off(portable::degrees(cut_off));
   }
   put(values_.color(node, "color", kWhite), light.mutable_color());
   light.set_intensity(values_.amount(node, "intensity", 1));

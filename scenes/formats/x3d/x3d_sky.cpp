@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/plural.h"
+#include "renderer/math/elementary.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/to_affine.h"
@@ -36,7 +37,7 @@ std::vector<double> ring_angles(const X3dValues& values, const X3dNode& node, co
     before = std::max(before, inside);
     // Equal angles make a sharp edge.
     const double last = degrees.empty() ? 0 : degrees.back();
-    degrees.push_back(std::max(degrees_from_radians(inside), std::nextafter(last, 360)));
+    degrees.push_back(std::max(portable::degrees(inside), std::nextafter(last, 360)));
   }
   return degrees;
 }

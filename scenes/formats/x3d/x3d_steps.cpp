@@ -1,4 +1,5 @@
 #include "scenes/formats/x3d/x3d_steps.h"
+#include "renderer/math/elementary.h"
 
 #include <cmath>
 
@@ -14,7 +15,7 @@ void add_rotation(const X3dRotation& turn, v1::Transform& out) {
   if (turn.angle == 0) return;
   v1::AxisAngle& rotate = *out.add_steps()->mutable_rotate();
   put_vec3(turn.axis, rotate.mutable_axis());
-  rotate.set_angle(degrees_from_radians(turn.angle));
+  rotate.set_angle(portable::degrees(turn.angle));
 }
 
 v1::Camera default_camera() {

@@ -7,10 +7,6 @@
 
 namespace tessera {
 
-inline constexpr double degrees_from_radians(double radians) {
-  return radians * (180 / 3.14159265358979323846);
-}
-
 /// Adds a step unless it does nothing.
 void add_translation(const Vec3& by, v1::Transform& out);
 void add_rotation(const X3dRotation& turn, v1::Transform& out);

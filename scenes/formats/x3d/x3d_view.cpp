@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/file.h"
+#include "renderer/math/elementary.h"
 #include "renderer/math/encodings.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
@@ -69,7 +70,7 @@ std::optional<v1::Camera> X3dTranslator::make_camera(const X3dNode& node,
       values_.repair(node, "fieldOfView", "an angle between 0 and pi", "pi / 4 is taken");
       angle = kUsual;
     }
-    camera.mutable_perspective()->set_field_of_view(degrees_from_radians(angle));
+    camera.mutable_perspective()->set_field_of_view(portable::degrees(angle));
     camera.mutable_perspective()->set_axis(v1::Perspective::SMALLER);
   }
   camera.set_near_distance(std::max(0., values_.number(node, "nearDistance", -1)) * scale);

@@ -9,7 +9,7 @@ namespace {
 
 /// A triangle shown at the frames that `attributes` say, by a node at x = 10. Accessors: 0 the
 /// triangle, 1 shifts along y and x, 2 turns about z by 0 and 90 degrees in normalised shorts, 3
-/// sizes 1 and 2, 4 one shift, 5 shifts, the second not finite.
+/// sizes 1 and 2, 4 one shift, 5 shifts, the second not finite, 6 the turns in normalised bytes.
 LoadedScene instances(const std::string& attributes, const std::string& more = "") {
   return read(Binary()
                   .put(kSquare)
@@ -17,6 +17,7 @@ LoadedScene instances(const std::string& attributes, const std::string& more = "
                   .put(std::vector<int16_t>{0, 0, 0, 32767, 0, 0, 23170, 23170})
                   .put(Floats{1, 1, 1, 2, 2, 2})
                   .put(Floats{0, 1, 0, std::numeric_limits<float>::infinity(), 0, 0})
+                  .put(std::vector<int8_t>{0, 0, 0, 127, 0, 0, 90, 90})
                   .glb(R"("nodes":[{"mesh":0,"translation":[10,0,0],"extensions":)"
                        R"({"EXT_mesh_gpu_instancing":{"attributes":{)" +
                        attributes + "}}}}" + more +
@@ -25,7 +26,8 @@ LoadedScene instances(const std::string& attributes, const std::string& more = "
                        accessor(0, 5126, 3, "VEC3") + "," + accessor(1, 5126, 2, "VEC3") + "," +
                        accessor(2, 5122, 2, "VEC4", R"(,"normalized":true)") + "," +
                        accessor(3, 5126, 2, "VEC3") + "," + accessor(1, 5126, 1, "VEC3") + "," +
-                       accessor(4, 5126, 2, "VEC3") + "]"));
+                       accessor(4, 5126, 2, "VEC3") + "," +
+                       accessor(5, 5120, 2, "VEC4", R"(,"normalized":true)") + "]"));
 }
 
 /// The numbers of a node's matrix.
@@ -47,6 +49,9 @@ TEST(GltfInstances, ShowsAMeshAtEveryFrame) {
     EXPECT_NEAR(second[i], (std::vector<double>{0, -2, 0, 13, 2, 0, 0, 0, 0, 0, 2, 0})[i], 1e-12);
   EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
   EXPECT_EQ(instances(R"("SCALE":3)", R"(,{"mesh":0})").scene.nodes_size(), 3);
+  const LoadedScene bytes = instances(R"("ROTATION":6)");
+  EXPECT_EQ(bytes.warnings, std::vector<std::string>{}) << "their length is 1.002";
+  EXPECT_NEAR(rows_of(bytes.scene.nodes(1))[1], -1, 1e-12);
   const LoadedScene one = instances(R"("TRANSLATION":4)");
   ASSERT_EQ(one.scene.nodes_size(), 1);
   EXPECT_TRUE(one.scene.nodes(0).has_shape()) << "of one nothing is shared";
@@ -64,7 +69,7 @@ TEST(GltfInstances, WhatIsWrongCostsTheInstancesAlone) {
   };
   const std::string once = "; the mesh is shown once";
   check("", ": no attribute; expected TRANSLATION, ROTATION or SCALE" + once);
-  check(R"("TRANSLATION":9)", "/TRANSLATION: accessor 9; expected 0 to 5" + once);
+  check(R"("TRANSLATION":9)", "/TRANSLATION: accessor 9; expected 0 to 6" + once);
   check(R"("ROTATION":1)", "/ROTATION: rows of 3; expected 4 numbers a row" + once);
   check(R"("TRANSLATION":1,"SCALE":4)", "/SCALE: 1 rows; expected 2, as of the others" + once);
   check(R"("TRANSLATION":5)",

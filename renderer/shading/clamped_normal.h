@@ -14,10 +14,10 @@ namespace tessera {
 inline constexpr double kLeastMirrored = 0.01;
 
 /// The normal of facets, mirrors and glass: `shading`, unless that faces away from the viewer or
-/// mirrors the view into the surface. Then it is bent towards the viewer until the mirrored view
+/// mirrors the view into the surface. Then it is tilted towards the viewer until the mirrored view
 /// all but grazes the surface (Keller et al. 2017, "The Iray Light Transport Simulation and
 /// Rendering System", appendix A).
-inline Vec3 bent_normal(const Vec3& shading, const Vec3& facet, const Vec3& wo) {
+inline Vec3 clamped_normal(const Vec3& shading, const Vec3& facet, const Vec3& wo) {
   constexpr double kLeastCosine = 1e-3;
   const Vec3 mirrored = reflect(-wo, shading);
   const double below = std::min(dot(wo, facet) / 2, kLeastMirrored) - dot(mirrored, facet);
@@ -28,14 +28,14 @@ inline Vec3 bent_normal(const Vec3& shading, const Vec3& facet, const Vec3& wo) 
 }
 
 /// A direction that leaves the surface on the wrong side, mirrored at it; others as they are.
-inline Vec3 kept_on_side(const Vec3& direction, const Vec3& facet, bool is_beyond) {
+inline Vec3 reflected_to_side(const Vec3& direction, const Vec3& facet, bool is_beyond) {
   const double side = dot(direction, facet);
   return (is_beyond ? side > 0 : side < 0) ? reflect(direction, facet) : direction;
 }
 
-/// The way on, of unit length, of a view that an ideal mirror of that bent_normal() reflects.
-inline Vec3 mirrored_view(const Vec3& bent, const Vec3& facet, const Vec3& wo) {
-  return normalize(kept_on_side(reflect(-wo, bent), facet, false));
+/// The way on, of unit length, of a view that an ideal mirror of that clamped_normal() reflects.
+inline Vec3 mirror_direction(const Vec3& normal, const Vec3& facet, const Vec3& wo) {
+  return normalize(reflected_to_side(reflect(-wo, normal), facet, false));
 }
 
 }  // namespace tessera
