@@ -53,11 +53,6 @@ bool Box::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) con
   return false;
 }
 
-bool Box::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface Box::surface(const Ray& ray, const Hit& hit) const {
   LocalSurface s;
   const int axis = static_cast<int>(hit.primitive / 2);

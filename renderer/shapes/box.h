@@ -11,7 +11,6 @@ class Box final : public ConvexSolid {
   explicit Box(const Bounds3& extent) : extent_(extent) {}
   Bounds3 bounds() const override { return extent_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
   size_t primitive_count() const override { return 6; }

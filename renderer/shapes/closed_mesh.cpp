@@ -139,11 +139,6 @@ bool ClosedMesh::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counte
   return found;
 }
 
-bool ClosedMesh::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface ClosedMesh::surface(const Ray&, const Hit& hit) const {
   LocalSurface s = triangle_surface(*mesh_, hit.primitive, hit.u, hit.v);
   if (inside_out_) s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;

@@ -20,7 +20,6 @@ class ClosedMesh final : public Solid {
 
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   size_t primitive_count() const override { return mesh_->triangles.size(); }
   void crossings(const Ray& ray, const RayError& error,

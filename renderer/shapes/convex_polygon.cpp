@@ -114,11 +114,6 @@ bool ConvexPolygon::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& cou
   return true;
 }
 
-bool ConvexPolygon::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface ConvexPolygon::surface(const Ray& ray, const Hit& hit) const {
   LocalSurface s;
   project_to_plane(points_[0], normal_, ray.at(hit.t), s);
@@ -209,11 +204,6 @@ bool Rectangle::any_hit_inside(const Ray& ray, TraversalCounters& counters) cons
   ++counters.primitive_tests;
   double t;
   return crosses(ray, Hit{}, t);
-}
-
-bool Rectangle::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
 }
 
 LocalSurface Rectangle::surface(const Ray&, const Hit& hit) const {

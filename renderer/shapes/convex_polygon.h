@@ -24,7 +24,6 @@ class ConvexPolygon final : public Shape {
   std::span<const Point3> points() const { return points_; }
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
 
  private:
@@ -51,7 +50,6 @@ class Rectangle final : public Shape {
   Bounds3 bounds() const override;
   /// Also a lane each in instance_soa-inl.h, to the bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   /// Also a lane each in lane_surface-inl.h, to the bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   /// The same for a ray that is known to be inside the edges where it meets the plane.

@@ -41,11 +41,6 @@ bool Disc::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) co
   return true;
 }
 
-bool Disc::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface Disc::surface(const Ray& ray, const Hit& hit) const {
   LocalSurface s;
   project_to_plane(center_, normal_, ray.at(hit.t), s);

@@ -17,7 +17,6 @@ class Disc final : public Shape {
   double inner_radius() const { return inner_radius_; }
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
 
  private:

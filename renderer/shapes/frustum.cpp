@@ -153,11 +153,6 @@ bool Frustum::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters)
   return false;
 }
 
-bool Frustum::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 double Frustum::event_error(const Ray& ray, const Crossing& at, const RayError& error) const {
   const double rounding = gamma(3) * std::abs(at.t);
   if (at.part != kSide)

@@ -31,7 +31,6 @@ class Frustum : public ConvexSolid {
 
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   size_t primitive_count() const override { return 3; }
   bool closed() const override { return !(open_.side || open_.top || open_.bottom); }

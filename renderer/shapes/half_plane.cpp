@@ -29,11 +29,6 @@ bool HalfPlane::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counter
   return true;
 }
 
-bool HalfPlane::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface HalfPlane::surface(const Ray& ray, const Hit& hit) const {
   LocalSurface s;
   project_to_plane(point_, normal_, ray.at(hit.t), s);

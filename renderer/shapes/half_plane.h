@@ -12,7 +12,6 @@ class HalfPlane final : public Shape {
   HalfPlane(const Point3& point, const Vec3& normal, const Vec3& edge_normal);
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
 
  private:

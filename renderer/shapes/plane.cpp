@@ -25,11 +25,6 @@ bool Plane::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) c
   return true;
 }
 
-bool Plane::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface Plane::surface(const Ray& ray, const Hit& hit) const {
   LocalSurface s;
   place_surface(ray, hit, s);

@@ -15,7 +15,6 @@ class Plane final : public ConvexSolid {
   Plane(const Vec3& normal, double offset, bool keep_uv = true);
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   /// The same in place, but for texture coordinates.
   /// Also a lane each in lane_surface-inl.h, to the bit.

@@ -47,7 +47,10 @@ class Shape {
   /// number, inside (ray.t_min, min(ray.t_max, hit.t)]; says whether it did. Leaves hit.instance.
   virtual bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
   /// Whether anything is hit inside (ray.t_min, ray.t_max).
-  virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const = 0;
+  virtual bool any_hit(const Ray& ray, TraversalCounters& counters) const {
+    Hit hit;
+    return closest_hit(ray, hit, counters);
+  }
   /// closest_hit() of each ray, with the same results; as many hits as rays.
   virtual void closest_hits(std::span<const Ray> rays, std::span<Hit> hits,
                             TraversalCounters& counters) const {

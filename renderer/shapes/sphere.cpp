@@ -44,11 +44,6 @@ bool Sphere::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) 
   return true;
 }
 
-bool Sphere::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 LocalSurface Sphere::surface(const Ray& ray, const Hit& hit) const {
   using namespace portable;
   LocalSurface s;

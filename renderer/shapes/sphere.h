@@ -16,7 +16,6 @@ class Sphere final : public ConvexSolid {
   Bounds3 bounds() const override;
   /// Also a lane each in sphere_lanes-inl.h, to the bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   /// Also a lane each in lane_surface-inl.h, to the bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;

@@ -156,11 +156,6 @@ bool Torus::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) c
   return false;
 }
 
-bool Torus::any_hit(const Ray& ray, TraversalCounters& counters) const {
-  Hit hit;
-  return closest_hit(ray, hit, counters);
-}
-
 void Torus::crossings(const Ray& ray, const RayError& error,
                       std::vector<SolidEvent>& events) const {
   const Roots roots = find_roots(ray);

@@ -21,7 +21,6 @@ class Torus final : public Solid {
   Torus(double major_radius, double minor_radius);
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   double major_radius() const { return major_; }
   double minor_radius() const { return minor_; }
