@@ -12,10 +12,10 @@
 #include "base/error.h"
 #include "base/monotonic.h"
 #include "base/parallel.h"
+#include "image/image_file.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/version.h"
 #include "renderer/film/film.h"
-#include "renderer/image/image_file.h"
 #include "renderer/render/tile_renderer.h"
 
 namespace tessera {

@@ -14,10 +14,10 @@
 #include "cli/command_line.h"
 #include "cli/say.h"
 #include "front/option_values.h"
+#include "image/image_file.h"
 #include "metrics/difference.h"
 #include "metrics/picture_error.h"
 #include "metrics/ssim.h"
-#include "renderer/image/image_file.h"
 
 namespace tessera {
 namespace {

@@ -25,9 +25,9 @@
 #include "front/output_settings.h"
 #include "front/picture_warnings.h"
 #include "front/render_options.h"
+#include "image/image_file.h"
 #include "job/job_messages.h"
 #include "proto/wire/printable.h"
-#include "renderer/image/image_file.h"
 
 namespace tessera {
 namespace {

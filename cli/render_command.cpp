@@ -28,7 +28,7 @@
 #include "front/render_frame.h"
 #include "front/render_options.h"
 #include "front/tracing_farm.h"
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 
 namespace tessera {
 namespace {

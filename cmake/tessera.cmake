@@ -90,7 +90,7 @@ function(tessera_module path)
     add_library(${target} INTERFACE)
   endif()
   # Of what is compiled together a compiler inlines less well, which costs tracing up to 4 %.
-  if(path MATCHES "^renderer" AND NOT path MATCHES "^renderer/(scene|image)" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  if(path MATCHES "^(renderer|query)" AND NOT path STREQUAL "renderer/scene" AND CMAKE_BUILD_TYPE STREQUAL "Release")
     set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   endif()
   # These wait for people and sockets: compiling them is worth less time than what traces and reads scenes. Where GCC 12

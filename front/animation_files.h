@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "renderer/image/animation_file.h"
-#include "renderer/image/image_file.h"
+#include "image/animation_file.h"
+#include "image/image_file.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "front/render_options.h"
+#include "image/image_file.h"
 #include "job/job.h"
-#include "renderer/image/image_file.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {

@@ -9,9 +9,9 @@
 #include <functional>
 
 #include "base/plural.h"
+#include "image/image_file.h"
 #include "job/scene_motion.h"
 #include "proto/wire/printable.h"
-#include "renderer/image/image_file.h"
 #include "renderer/math/transform.h"
 #include "renderer/scene/read_settings.h"
 #include "scenes/import/to_affine.h"

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/process.h"
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 #include "scenes/formats/read_scene.h"
 
 namespace tessera {

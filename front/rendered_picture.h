@@ -2,10 +2,10 @@
 
 #include <string>
 
+#include "image/image_file.h"
 #include "job/job.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "renderer/film/film.h"
-#include "renderer/image/image_file.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
 #include "front/texture_decoder.h"
 
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/image/animation_file.h"
+#include "image/animation_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>

@@ -1,4 +1,4 @@
-#include "renderer/image/image_codec.h"
+#include "image/image_codec.h"
 
 #include <fmt/format.h>
 #include <sys/socket.h>

@@ -11,8 +11,8 @@
 #include "base/blob.h"
 #include "base/error.h"
 #include "base/owned_descriptor.h"
-#include "renderer/image/channel/image_channel.h"
-#include "renderer/image/channel/sealed_memory.h"
+#include "image/channel/image_channel.h"
+#include "image/channel/sealed_memory.h"
 #include "renderer/math/stored_samples.h"
 
 namespace tessera {

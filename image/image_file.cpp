@@ -1,4 +1,4 @@
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 
 #include <fmt/format.h>
 
@@ -18,8 +18,8 @@
 #include "base/owned_descriptor.h"
 #include "base/parallel.h"
 #include "base/version.h"
-#include "renderer/image/image_codec.h"
-#include "renderer/image/image_format.h"
+#include "image/image_codec.h"
+#include "image/image_format.h"
 
 namespace tessera {
 

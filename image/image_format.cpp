@@ -1,4 +1,4 @@
-#include "renderer/image/image_format.h"
+#include "image/image_format.h"
 
 #include <fmt/format.h>
 

@@ -20,6 +20,7 @@
 #include "base/parallel.h"
 #include "front/output_settings.h"
 #include "front/rendered_picture.h"
+#include "image/image_file.h"
 #include "metrics/difference.h"
 #include "metrics/picture_error.h"
 #include "metrics/ssim.h"
@@ -27,7 +28,6 @@
 #include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/interruptible.h"
-#include "renderer/image/image_file.h"
 #include "renderer/math/encodings.h"
 
 namespace py = pybind11;

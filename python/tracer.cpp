@@ -16,7 +16,7 @@
 #include "python/gil.h"
 #include "python/interruptible.h"
 #include "python/scene_values.h"
-#include "renderer/query/ray_queries.h"
+#include "query/ray_queries.h"
 
 namespace py = pybind11;
 

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "renderer/query/ray_arrays.h"
+#include "query/ray_arrays.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "renderer/query/geometry_only.h"
+#include "query/geometry_only.h"
 
 #include "renderer/scene/scene_graph.h"
 

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "base/error.h"
+#include "query/each_ray.h"
+#include "query/ray_queries.h"
 #include "renderer/accel/mesh_shape.h"
-#include "renderer/query/each_ray.h"
-#include "renderer/query/ray_queries.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/query/ray_queries.h"
+#include "query/ray_queries.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <unordered_map>
 
 #include "base/error.h"
+#include "query/each_ray.h"
+#include "query/geometry_only.h"
 #include "renderer/accel/mesh_shape.h"
-#include "renderer/query/each_ray.h"
-#include "renderer/query/geometry_only.h"
 #include "renderer/scene/read_camera.h"
 #include "renderer/shapes/mesh_boundary.h"
 #include "renderer/shapes/solid.h"

@@ -10,8 +10,8 @@
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
+#include "query/ray_arrays.h"
 #include "renderer/camera/camera.h"
-#include "renderer/query/ray_arrays.h"
 #include "renderer/scene/scene_builder.h"
 
 namespace tessera {

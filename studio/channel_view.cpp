@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 
 namespace tessera {
 namespace {

@@ -12,7 +12,7 @@
 #include "front/output_settings.h"
 #include "front/render_frame.h"
 #include "front/render_options.h"
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 #include "studio/full_frame.h"
 #include "studio/render_orders.h"
 #include "studio/wall_clock.h"

@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "front/output_settings.h"
 #include "front/render_frame.h"
+#include "image/image_file.h"
 #include "proto/wire/scene_codec.h"
-#include "renderer/image/image_file.h"
 
 namespace tessera {
 namespace {

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "base/program_folder.h"
 #include "base/version.h"
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 #include "scenes/import/asset_folder.h"
 #include "studio/exporter.h"
 #include "studio/farm_frames.h"

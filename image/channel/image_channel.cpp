@@ -1,4 +1,4 @@
-#include "renderer/image/channel/image_channel.h"
+#include "image/channel/image_channel.h"
 
 #include <sys/socket.h>
 #include <sys/uio.h>

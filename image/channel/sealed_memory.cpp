@@ -1,4 +1,4 @@
-#include "renderer/image/channel/sealed_memory.h"
+#include "image/channel/sealed_memory.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -26,10 +26,10 @@
 
 #include "base/core_count.h"
 #include "base/owned_descriptor.h"
-#include "renderer/image/channel/image_channel.h"
-#include "renderer/image/plain/image_answer.h"
-#include "renderer/image/plain/plain_formats.h"
-#include "renderer/image/sandbox/sandbox.h"
+#include "image/channel/image_channel.h"
+#include "image/plain/image_answer.h"
+#include "image/plain/plain_formats.h"
+#include "image/sandbox/sandbox.h"
 
 namespace tessera {
 

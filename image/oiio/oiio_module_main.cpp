@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "renderer/image/plain/icc_profile.h"
-#include "renderer/image/plain/image_answer.h"
-#include "renderer/image/plain/plain_formats.h"
+#include "image/plain/icc_profile.h"
+#include "image/plain/image_answer.h"
+#include "image/plain/plain_formats.h"
 #include "renderer/math/stored_samples.h"
 
 namespace tessera {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "renderer/image/channel/image_channel.h"
-#include "renderer/image/channel/sealed_memory.h"
+#include "image/channel/image_channel.h"
+#include "image/channel/sealed_memory.h"
 #include "renderer/math/stored_samples.h"
 
 namespace tessera {

@@ -1,12 +1,12 @@
-#include "renderer/image/plain/jpeg_format.h"
+#include "image/plain/jpeg_format.h"
 
 #include <cstdlib>
 #include <memory>
 #include <span>
 
-#include "renderer/image/plain/icc_profile.h"
-#include "renderer/image/plain/jpeg_decompressor.h"
-#include "renderer/image/plain/jpeg_slices.h"
+#include "image/plain/icc_profile.h"
+#include "image/plain/jpeg_decompressor.h"
+#include "image/plain/jpeg_slices.h"
 
 namespace tessera {
 namespace {

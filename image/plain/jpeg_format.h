@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "renderer/image/plain/image_answer.h"
+#include "image/plain/image_answer.h"
 
 namespace tessera {
 

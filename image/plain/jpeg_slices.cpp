@@ -1,10 +1,10 @@
-#include "renderer/image/plain/jpeg_slices.h"
+#include "image/plain/jpeg_slices.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "renderer/image/plain/for_all.h"
-#include "renderer/image/plain/jpeg_decompressor.h"
+#include "image/plain/for_all.h"
+#include "image/plain/jpeg_decompressor.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
-#include "renderer/image/plain/plain_formats.h"
+#include "image/plain/plain_formats.h"
 
 #include <string_view>
 
-#include "renderer/image/plain/jpeg_format.h"
-#include "renderer/image/plain/png_format.h"
-#include "renderer/image/plain/pnm_format.h"
+#include "image/plain/jpeg_format.h"
+#include "image/plain/png_format.h"
+#include "image/plain/pnm_format.h"
 
 namespace tessera {
 namespace {

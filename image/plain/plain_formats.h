@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "renderer/image/plain/image_answer.h"
+#include "image/plain/image_answer.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "renderer/image/plain/png_format.h"
+#include "image/plain/png_format.h"
 
 #include <png.h>
 #include <zlib.h>
@@ -10,9 +10,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "renderer/image/plain/for_all.h"
-#include "renderer/image/plain/icc_profile.h"
-#include "renderer/image/plain/plain_formats.h"
+#include "image/plain/for_all.h"
+#include "image/plain/icc_profile.h"
+#include "image/plain/plain_formats.h"
 
 namespace tessera {
 namespace {

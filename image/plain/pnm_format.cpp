@@ -1,4 +1,4 @@
-#include "renderer/image/plain/pnm_format.h"
+#include "image/plain/pnm_format.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "renderer/image/sandbox/sandbox.h"
+#include "image/sandbox/sandbox.h"
 
 #include <fcntl.h>
 #include <linux/audit.h>

@@ -13,7 +13,7 @@ MODULES = {
     "proto/transport": ["base"],
     "renderer/math": ["base"],
     "renderer/accel": ["base", "renderer/math"],
-    "renderer/image": ["base"],
+    "image": ["base"],
     "scenes/formats": ["base", "proto/wire"],
     "coordinator": ["base", "proto/wire", "proto/transport"],
     "worker": ["base", "proto/transport", "renderer/accel"],
@@ -84,7 +84,7 @@ class Dependencies(unittest.TestCase):
             "base/lists.h": "template <class T> struct List {\n};\n",
             # One of its own by the same name as another's.
             "renderer/math/own.h": "struct Other {\n};\n",
-            "renderer/image/own.h": "struct Other {\n};\nclass Other;\n",
+            "image/own.h": "struct Other {\n};\nclass Other;\n",
         }))
 
     def test_a_cycle_of_dependencies(self):
@@ -92,8 +92,8 @@ class Dependencies(unittest.TestCase):
                         {"renderer/math": ["renderer/accel"]})
 
     def test_the_renderer_sees_no_sockets(self):
-        self.assert_one("renderer/image: reaches proto/transport", {},
-                        {"renderer/image": ["proto/transport"]})
+        self.assert_one("image: reaches proto/transport", {},
+                        {"image": ["proto/transport"]})
 
     def test_the_documented_modules_have_their_walls(self):
         """Each row of the table but the program's names the modules of one wall, in the same order."""
@@ -135,7 +135,7 @@ class Dependencies(unittest.TestCase):
 
     def test_a_library_outside_its_module(self):
         for what, module, line in [("ZeroMQ", "coordinator", "#include <zmq.h>"),
-                                 ("OpenImageIO", "renderer/image",
+                                 ("OpenImageIO", "image",
                                   "#include <OpenImageIO/imageio.h>"),
                                  ("pugixml", "renderer/math", '#include "pugixml.hpp"'),
                                  ("protobuf's parsers", "scenes/formats",

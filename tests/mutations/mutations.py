@@ -521,7 +521,7 @@ MUTATIONS = [
     Mutation("Python: the GIL is not released", "python/interruptible.h",
              "    const GilRelease release;\n    const bool has_ended", "    const bool has_ended", PYTHON,
              "test_rays_robust.py"),
-    Mutation("Python: t is cast to single precision", "renderer/query/ray_queries.cpp",
+    Mutation("Python: t is cast to single precision", "query/ray_queries.cpp",
              "has_extremes ? std::ldexp(hit.t, -exponents[k]) : hit.t;",
              "static_cast<float>(hit.t);", PYTHON, "test_rays_exact.py"),
     Mutation("Python: an edge counts twice", "renderer/shapes/mesh_topology.cpp",
@@ -559,7 +559,7 @@ MUTATIONS = [
              "edit_test", "StudioEdit.*"),
     Mutation("a value too many in a line of PLY is a value of the next row", "scenes/formats/ply/ply_source.h",
              "has_line_for_each_row_(lines_ == rows_)", "has_line_for_each_row_(false)", "models_test", "Ply.*"),
-    Mutation("a picture's light forgets alpha", "renderer/image/image_file.cpp",
+    Mutation("a picture's light forgets alpha", "image/image_file.cpp",
              "const float alpha = needs_alpha ? color[count - 1] : 1;", "const float alpha = 1; (void)needs_alpha;",
              PYTHON, "test_pictures.py"),
 ]

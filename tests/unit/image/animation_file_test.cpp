@@ -1,4 +1,4 @@
-#include "renderer/image/animation_file.h"
+#include "image/animation_file.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "renderer/image/plain/icc_profile.h"
+#include "image/plain/icc_profile.h"
 
 #include <gtest/gtest.h>
 

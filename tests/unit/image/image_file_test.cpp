@@ -1,4 +1,4 @@
-#include "renderer/image/image_file.h"
+#include "image/image_file.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,11 +1,11 @@
-#include "renderer/image/plain/jpeg_slices.h"
+#include "image/plain/jpeg_slices.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <cstdlib>
 
-#include "renderer/image/plain/jpeg_decompressor.h"
+#include "image/plain/jpeg_decompressor.h"
 
 namespace tessera {
 namespace {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "tests/unit/renderer/query/query_arrays.h"
+#include "tests/unit/query/query_arrays.h"
 
 namespace tessera {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/query/ray_queries.h"
+#include "query/ray_queries.h"
 #include "tests/unit/renderer/scene_text.h"
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "renderer/query/ray_queries.h"
+#include "query/ray_queries.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,10 +6,10 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "query/each_ray.h"
 #include "renderer/accel/make_accelerator.h"
-#include "renderer/query/each_ray.h"
 #include "renderer/shapes/triangle.h"
-#include "tests/unit/renderer/query/query_arrays.h"
+#include "tests/unit/query/query_arrays.h"
 
 namespace tessera {
 namespace {

@@ -102,7 +102,7 @@ TEST(Gltf, RotationsAreMadeUnitOnes) {
   EXPECT_EQ(rows_of(turned("0,0,0,0"), 1), none);
   EXPECT_EQ(turned("0,0,0,0").warnings,
             std::vector<std::string>{"t.gltf:1:73: nodes/1/rotation: a quaternion of length 0; "
-                                     "expected a unit one; the node is not turned"});
+                                     "expected a unit one; nothing is turned"});
 }
 
 LoadedScene with_light(const std::string& members) {
