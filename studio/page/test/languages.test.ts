@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { StreamLanguage, foldable, syntaxTree, type StreamParser } from "@codemirror/language";
+import { StreamLanguage, ensureSyntaxTree, foldable, syntaxTree, type StreamParser } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
 import { classHighlighter, highlightTree } from "@lezer/highlight";
 import { highlighter } from "../src/languages/highlighter.js";
@@ -44,9 +44,16 @@ test("obj, mtl, ply and stl", () => {
   assert.ok(tokens(stl, "solid a\nfacet normal 0 0 1").includes("facet=keyword"));
 });
 
+/** Read to its end, however long that takes: by itself the editor goes on later. */
+function editorOf(file: string, text: string): EditorState {
+  const editor = EditorState.create({ doc: text, extensions: languageOf(file) });
+  ensureSyntaxTree(editor, text.length, Infinity);
+  return editor.update({}).state;
+}
+
 /** The words of a file's text with the classes that the editor gives them. */
 function highlighted(file: string, text: string): string[] {
-  const editor = EditorState.create({ doc: text, extensions: languageOf(file) });
+  const editor = editorOf(file, text);
   const found: string[] = [];
   highlightTree(syntaxTree(editor), highlighter, (from, to, classes) => found.push(`${text.slice(from, to)}=${classes.replace(/tok-/g, "")}`));
   return found;
@@ -82,7 +89,7 @@ test("a line of a megabyte is read in pieces", () => {
 
 /** What folds in each line of a file's text; nothing where a line has no block. */
 function folds(file: string, text: string): (string | undefined)[] {
-  const state = EditorState.create({ doc: text, extensions: languageOf(file) });
+  const state = editorOf(file, text);
   return text.split("\n").map((_, index) => {
     const { from, to } = state.doc.line(index + 1);
     const range = foldable(state, from, to);
