@@ -190,7 +190,7 @@ Error usage_error_from(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error(error.what() + help);
 }
 
-ExitCode parse_and_run(int argc, const char* const* argv) {
+ExitCode parse_and_run(std::span<const AddCommand> commands, int argc, const char* const* argv) {
   CLI::App app{kDescription, "tessera"};
   app.set_version_flag("--version", fmt::format("tessera {}", kBuild), "Print the version");
   app.footer(kFooter);
@@ -199,18 +199,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   app.get_formatter()->column_width(32);
 
   Action action;
-  add_render_command(app, action);
-  add_studio_command(app, action);
-  add_serve_command(app, action);
-  add_worker_command(app, action);
-  add_keygen_command(app, action);
-  add_submit_command(app, action);
-  add_job_commands(app, action);
-  add_fetch_command(app, action);
-  add_convert_command(app, action);
-  add_info_command(app, action);
-  add_compare_command(app, action);
-  add_bench_command(app, action);
+  for (const AddCommand add : commands) add(app, action);
   check_texts(app);
   try {
     const std::vector<const char*> arguments = with_help_as_option(argc, argv);
@@ -246,9 +235,9 @@ ExitCode tell_current_error() {
   return ExitCode::render_failed;
 }
 
-ExitCode run_command_line(int argc, const char* const* argv) {
+ExitCode run_command_line(std::span<const AddCommand> commands, int argc, const char* const* argv) {
   try {
-    return parse_and_run(argc, argv);
+    return parse_and_run(commands, argc, argv);
   } catch (const std::exception&) {
     return tell_current_error();
   }

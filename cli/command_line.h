@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "base/error.h"
 
@@ -13,7 +14,8 @@ namespace tessera {
 /// What the chosen command does, run once the whole command line is known to be right.
 using Action = std::function<ExitCode()>;
 
-/// Each adds its command to `app`; when that command is parsed it sets `action`.
+/// Adds a command to `app`; when that command is parsed it sets `action`.
+using AddCommand = void (*)(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_serve_command(CLI::App& app, Action& action);
 void add_worker_command(CLI::App& app, Action& action);
@@ -26,18 +28,15 @@ void add_fetch_command(CLI::App& app, Action& action);
 void add_convert_command(CLI::App& app, Action& action);
 void add_info_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);
+/// Hands all that follows `bench` to a program of its own, tessera-bench beside this one.
 void add_bench_command(CLI::App& app, Action& action);
-/// The kinds of `bench` that trace: rays and octree.
-void add_tracing_benches(CLI::App& bench, Action& action);
-void add_precision_and_growth_benches(CLI::App& bench, Action& action);
-void add_error_bench(CLI::App& bench, Action& action);
-void add_skip_bench(CLI::App& bench, Action& action);
-void add_studio_bench(CLI::App& bench, Action& action);
 
 /// One line on standard error for the exception that is being handled, and the exit code that it
 /// asks for: 3 unless it is an Error.
 ExitCode tell_current_error();
 /// Parses and runs; prints the error, if any, to standard error. Never throws.
-ExitCode run_command_line(int argc, const char* const* argv);
+ExitCode run_command_line(std::span<const AddCommand> commands, int argc, const char* const* argv);
+/// The whole of a program of those commands, with its signals; returns what main() does.
+int run_program(std::span<const AddCommand> commands, int argc, const char* const* argv);
 
 }  // namespace tessera

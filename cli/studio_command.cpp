@@ -36,7 +36,7 @@
 namespace tessera {
 namespace {
 
-constexpr Time kBetweenLooks = std::chrono::milliseconds(5);
+constexpr Time kBetweenPolls = std::chrono::milliseconds(5);
 constexpr std::chrono::milliseconds kGrace{100};
 /// Of the studio: it reads scenes, makes pictures, touches files and serves the page.
 constexpr int kStudioThreads = 6;
@@ -156,7 +156,7 @@ ExitCode run_studio(StudioCommand command) {
   {
     Studio studio(command.studio, [&loop] { loop.wake(); });
     loop.observe([&studio](Coordinator& coordinator, Time now) { studio.look(coordinator, now); },
-                 kBetweenLooks);
+                 kBetweenPolls);
     workers.start();
     const std::string page = studio.url();
     const std::string address =

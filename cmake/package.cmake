@@ -6,7 +6,7 @@
 include(GNUInstallDirs)
 set(programs "lib/${PROJECT_NAME}")
 
-install(TARGETS tessera tessera-image-codec RUNTIME DESTINATION "${programs}" COMPONENT tessera)
+install(TARGETS tessera tessera-bench tessera-image-codec RUNTIME DESTINATION "${programs}" COMPONENT tessera)
 install(TARGETS tessera_nlopt LIBRARY DESTINATION "${programs}" COMPONENT tessera)
 if(TARGET tessera_embree)
   install(TARGETS tessera_embree LIBRARY DESTINATION "${programs}" COMPONENT tessera)

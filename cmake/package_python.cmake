@@ -21,7 +21,7 @@ install_python_package(lib/python3/dist-packages/tessera python)
 install_package_documents(python3-tessera python)
 
 install_python_package(tessera wheel EXCLUDE_FROM_ALL)
-set(programs tessera tessera-image-codec)
+set(programs tessera tessera-bench tessera-image-codec)
 set(modules tessera_nlopt tessera_oiio)
 if(TARGET tessera_embree)
   list(APPEND modules tessera_embree)

@@ -1,4 +1,4 @@
-#include "cli/bench_farm.h"
+#include "cli/bench/bench_farm.h"
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -18,12 +18,13 @@
 #include "base/error.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "base/program_folder.h"
 #include "base/temporary_folder.h"
 #include "bench/error/statistics.h"
-#include "cli/bench_first_tile.h"
-#include "cli/bench_scene_transfer.h"
-#include "cli/bench_workers.h"
-#include "cli/timed_process.h"
+#include "cli/bench/bench_first_tile.h"
+#include "cli/bench/bench_scene_transfer.h"
+#include "cli/bench/bench_workers.h"
+#include "cli/bench/timed_process.h"
 #include "coordinator/coordinator.h"
 #include "coordinator/render_loop.h"
 #include "proto/transport/zmq_transport.h"
@@ -63,9 +64,10 @@ json paired_row(const std::string& measure, double limit, int repeats,
 json processes_row(const BenchFarmOptions& options, const TemporaryFolder& folder, int samples) {
   const std::string scene = options.scene.empty() ? write_spheres(folder, 12) : options.scene;
   const auto render = [&](int workers, int threads) {
-    return timed_process({kThisProgram, "render", scene, "--quiet", "-o", folder.file("frame.png"),
-                          "--size", "1920x1080", "--spp", std::to_string(samples), "--workers",
-                          std::to_string(workers), "--threads", std::to_string(threads)});
+    return timed_process({program_path(), "render", scene, "--quiet", "-o",
+                          folder.file("frame.png"), "--size", "1920x1080", "--spp",
+                          std::to_string(samples), "--workers", std::to_string(workers),
+                          "--threads", std::to_string(threads)});
   };
   return paired_row(
       fmt::format("1080p frame, {}: {} against {}", counted(samples, "sample"),
@@ -81,7 +83,7 @@ json one_sphere_row(const BenchFarmOptions& options, const TemporaryFolder& fold
                   counted(options.workers, "worker")),
       1.15, options.repeats * 4,
       [&] {
-        return timed_process({kThisProgram, "render", scene, "--quiet", "-o",
+        return timed_process({program_path(), "render", scene, "--quiet", "-o",
                               folder.file("one.png"), "--size", "64x64", "--workers",
                               std::to_string(options.workers)});
       },
@@ -94,8 +96,8 @@ json one_sphere_row(const BenchFarmOptions& options, const TemporaryFolder& fold
 double seconds_to_hello(const TemporaryFolder& folder) {
   const auto server = bind_server("ipc://" + folder.file("socket"));
   const auto start = std::chrono::steady_clock::now();
-  const pid_t pid = start_process(kThisProgram,
-                                  {kThisProgram, "worker", "--connect", server->endpoint(),
+  const pid_t pid = start_process(program_path(),
+                                  {program_path(), "worker", "--connect", server->endpoint(),
                                    "--threads", "1", "--parent", std::to_string(getpid())},
                                   {.discards_output = true});
   std::chrono::duration<double> taken{};

@@ -1,4 +1,4 @@
-#include "cli/bench_first_tile.h"
+#include "cli/bench/bench_first_tile.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -19,8 +19,9 @@
 #include "base/monotonic.h"
 #include "base/plural.h"
 #include "base/process.h"
+#include "base/program_folder.h"
 #include "bench/error/statistics.h"
-#include "cli/bench_workers.h"
+#include "cli/bench/bench_workers.h"
 #include "coordinator/render_loop.h"
 #include "coordinator/store/sqlite_job_store.h"
 #include "coordinator/web/farm_page.h"
@@ -142,8 +143,8 @@ nlohmann::json first_tile_row(const BenchFarmOptions& options, const std::string
   for (int job = 1; job <= 1 + 4 * options.repeats; ++job) {
     const Time start = monotonic_now();
     const pid_t submit =
-        start_process(kThisProgram,
-                      {kThisProgram, "submit", scene, "--quiet", "--connect", farm.endpoint(),
+        start_process(program_path(),
+                      {program_path(), "submit", scene, "--quiet", "--connect", farm.endpoint(),
                        "--size", "1920x1080", "--spp", "4", "--seed", std::to_string(job)},
                       {.discards_output = true});
     wait_until(

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "cli/bench_farm.h"
+#include "cli/bench/bench_farm.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "cli/bench_scene_transfer.h"
+#include "cli/bench/bench_scene_transfer.h"
 
 #include <fmt/format.h>
 

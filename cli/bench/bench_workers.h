@@ -7,18 +7,17 @@
 #include <vector>
 
 #include "base/process.h"
+#include "base/program_folder.h"
 
 namespace tessera {
-
-inline constexpr char kThisProgram[] = "/proc/self/exe";
 
 /// Worker processes of one thread each over TCP, that are gone with this object.
 class BenchWorkers {
  public:
   BenchWorkers(const std::string& endpoint, int count) {
     for (int i = 0; i < count; ++i) {
-      pids_.push_back(start_process(kThisProgram,
-                                    {kThisProgram, "worker", "--connect", endpoint, "--threads",
+      pids_.push_back(start_process(program_path(),
+                                    {program_path(), "worker", "--connect", endpoint, "--threads",
                                      "1", "--quiet", "--parent", std::to_string(getpid())},
                                     {.discards_output = true}));
     }

@@ -15,7 +15,7 @@
 #include "bench/error_bench.h"
 #include "bench/error_render.h"
 #include "cli/add_options.h"
-#include "cli/command_line.h"
+#include "cli/bench/bench_commands.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
 #include "front/option_values.h"

@@ -6,8 +6,8 @@
 
 #include "base/file.h"
 #include "cli/add_options.h"
-#include "cli/bench_farm.h"
-#include "cli/command_line.h"
+#include "cli/bench/bench_commands.h"
+#include "cli/bench/bench_farm.h"
 #include "cli/say.h"
 #include "front/option_values.h"
 
@@ -44,7 +44,7 @@ ExitCode bench(const BenchOptions& options) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, Action& action) {
+void add_bench_kinds(CLI::App& app, Action& action) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Measure this program on this machine");
   command->require_subcommand(1);

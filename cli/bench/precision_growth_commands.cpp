@@ -5,7 +5,7 @@
 #include "bench/growth.h"
 #include "bench/precision.h"
 #include "cli/add_options.h"
-#include "cli/command_line.h"
+#include "cli/bench/bench_commands.h"
 #include "cli/say.h"
 #include "front/option_values.h"
 

@@ -11,7 +11,7 @@
 #include "bench/rays.h"
 #include "bench/scene_mesh.h"
 #include "cli/add_options.h"
-#include "cli/command_line.h"
+#include "cli/bench/bench_commands.h"
 #include "cli/say.h"
 #include "front/option_values.h"
 #include "renderer/accel/make_accelerator.h"

@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "bench/skip.h"
 #include "cli/add_options.h"
-#include "cli/command_line.h"
+#include "cli/bench/bench_commands.h"
 #include "cli/say.h"
 #include "front/option_values.h"
 

@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "bench/studio/studio_bench.h"
 #include "cli/add_options.h"
-#include "cli/command_line.h"
+#include "cli/bench/bench_commands.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
 

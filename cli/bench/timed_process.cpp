@@ -1,4 +1,4 @@
-#include "cli/timed_process.h"
+#include "cli/bench/timed_process.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

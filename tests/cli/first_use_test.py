@@ -8,6 +8,7 @@ import shutil
 import signal
 import socket
 import struct
+import subprocess
 import termios
 import unittest
 
@@ -195,6 +196,12 @@ class StandardViews(TesseraTest):
         self.assertEqual("path", stats["integrator_chosen"])
         self.assert_error(self.run_program("render", "t.obj", "--environment", "none.exr"), 2, "none.exr")
         self.assert_error(self.run_program("render", "t.obj", "--environment", "."), 2, "is a folder; expected a file")
+
+    def test_benchmarks_are_a_program_beside_this_one(self):
+        alone = shutil.copy(PROGRAM, self.folder / "tessera")
+        done = subprocess.run([alone, "bench", "rays"], capture_output=True, text=True)
+        self.assertEqual(3, done.returncode)
+        self.assertIn(f"{self.folder}/tessera-bench: No such file or directory", done.stderr)
 
     def test_only_one_says_what_is_seen_when(self):
         for options, names in ((("--view", "top", "--camera", "1"), ("--view", "--camera")),
