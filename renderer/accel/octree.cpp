@@ -12,6 +12,35 @@ std::unique_ptr<const SplitSearch> make_search(OctreeKind kind) {
   return make_nlopt_search();
 }
 
+BuiltMeshTree build_mesh_octree(const TriangleMesh& mesh, OctreeKind kind, int threads) {
+  BuiltMeshTree built;
+  const Time start = monotonic_now();
+  const auto search = make_search(kind);
+  built.tree.bounds = mesh.bounds();
+  built.statistics.primitives = mesh.triangles.size();
+  lay_out(build_octree(triangle_boxes(mesh, threads), mesh_octree_options(search.get()), threads,
+                       built.statistics),
+          mesh, built.tree, threads);
+  built.statistics.bytes = built.tree.tree.units.bytes();
+  built.statistics.build_seconds = to_seconds(monotonic_now() - start);
+  return built;
+}
+
+BuiltInstanceTree build_instance_octree(std::vector<Instance> instances, OctreeKind kind,
+                                        int threads) {
+  BuiltInstanceTree built;
+  const Time start = monotonic_now();
+  const auto search = make_search(kind);
+  built.tree.instances = std::move(instances);
+  built.statistics.primitives = built.tree.instances.size();
+  lay_out(build_octree(instance_boxes(built.tree, built.bounds),
+                       instance_octree_options(search.get()), threads, built.statistics),
+          built.tree, threads);
+  built.statistics.bytes = bytes_of(built.tree);
+  built.statistics.build_seconds = to_seconds(monotonic_now() - start);
+  return built;
+}
+
 }  // namespace
 
 // Found by measuring the study's scenes and scanned meshes. An object in a leaf takes one lane of
@@ -38,30 +67,10 @@ OctreeOptions instance_octree_options(const SplitSearch* search) {
 
 MeshOctree::MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
                        const BvhKernels& code)
-    : code_(&code) {
-  const Time start = monotonic_now();
-  const auto search = make_search(kind);
-  tree_.bounds = mesh.bounds();
-  statistics_.primitives = mesh.triangles.size();
-  lay_out(build_octree(triangle_boxes(mesh, threads), mesh_octree_options(search.get()), threads,
-                       statistics_),
-          mesh, tree_, threads);
-  statistics_.bytes = tree_.tree.units.bytes();
-  statistics_.build_seconds = to_seconds(monotonic_now() - start);
-}
+    : MeshTreeAccelerator(build_mesh_octree(mesh, kind, threads), code) {}
 
 InstanceOctree::InstanceOctree(std::vector<Instance> instances, OctreeKind kind, int threads,
                                const BvhKernels& code)
-    : code_(&code) {
-  const Time start = monotonic_now();
-  const auto search = make_search(kind);
-  tree_.instances = std::move(instances);
-  statistics_.primitives = tree_.instances.size();
-  lay_out(build_octree(instance_boxes(tree_, bounds_), instance_octree_options(search.get()),
-                       threads, statistics_),
-          tree_, threads);
-  statistics_.bytes = bytes_of(tree_);
-  statistics_.build_seconds = to_seconds(monotonic_now() - start);
-}
+    : InstanceTreeAccelerator(build_instance_octree(std::move(instances), kind, threads), code) {}
 
 }  // namespace tessera

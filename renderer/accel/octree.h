@@ -2,9 +2,8 @@
 
 #include <vector>
 
-#include "renderer/accel/accelerator.h"
-#include "renderer/accel/bvh_kernels.h"
 #include "renderer/accel/octree_builder.h"
+#include "renderer/accel/tree_accelerator.h"
 
 namespace tessera {
 
@@ -18,63 +17,19 @@ enum class OctreeKind {
 OctreeOptions mesh_octree_options(const SplitSearch* search);
 OctreeOptions instance_octree_options(const SplitSearch* search);
 
-/// Octree over the triangles of a mesh: see build_octree(). It keeps its own copy of the vertices
-/// and does not need the mesh afterwards.
-class MeshOctree final : public Accelerator {
+/// Octree over the triangles of a mesh, which it does not need afterwards: see build_octree().
+class MeshOctree final : public MeshTreeAccelerator {
  public:
   /// At least one triangle, all of them finite.
   MeshOctree(const TriangleMesh& mesh, OctreeKind kind, int threads,
              const BvhKernels& code = kernels());
-  Bounds3 bounds() const override { return tree_.bounds; }
-  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
-    return code_->mesh_closest(tree_, ray, hit, counters);
-  }
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
-    return code_->mesh_any(tree_, ray, counters);
-  }
-  void all_hits(const Ray& ray, std::vector<Hit>& hits,
-                TraversalCounters& counters) const override {
-    code_->mesh_all(tree_, ray, hits, counters);
-  }
-  AcceleratorStatistics statistics() const override { return statistics_; }
-  const MeshTree& tree() const { return tree_; }
-
- private:
-  MeshTree tree_;
-  const BvhKernels* code_;
-  AcceleratorStatistics statistics_;
 };
 
-/// The same over instances. What cannot be held is kept outside of the tree and always tested.
-class InstanceOctree final : public Accelerator {
+/// The same over instances: at least one that can_be_held().
+class InstanceOctree final : public InstanceTreeAccelerator {
  public:
-  /// At least one instance that can_be_held().
   InstanceOctree(std::vector<Instance> instances, OctreeKind kind, int threads,
                  const BvhKernels& code = kernels());
-  Bounds3 bounds() const override { return bounds_; }
-  bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
-    return code_->instance_closest(tree_, ray, hit, counters);
-  }
-  bool any_hit(const Ray& ray, TraversalCounters& counters) const override {
-    uint32_t first = kNoInstance;
-    return code_->instance_any(tree_, ray, first, counters);
-  }
-  bool any_hit_by(const Ray& ray, uint32_t& instance, TraversalCounters& counters) const override {
-    return code_->instance_any(tree_, ray, instance, counters);
-  }
-  bool takes_guesses() const override { return true; }
-  void all_hits(const Ray& ray, std::vector<Hit>& hits,
-                TraversalCounters& counters) const override {
-    code_->instance_all(tree_, ray, hits, counters);
-  }
-  AcceleratorStatistics statistics() const override { return statistics_; }
-  const InstanceTree& tree() const { return tree_; }
-
- private:
-  InstanceTree tree_;
-  Bounds3 bounds_;
-  const BvhKernels* code_;
-  AcceleratorStatistics statistics_;
 };
 
 }  // namespace tessera

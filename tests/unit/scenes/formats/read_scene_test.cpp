@@ -166,8 +166,8 @@ TEST_F(ReadScene, TellsWhereUpTurnsNothing) {
   EXPECT_TRUE(read_scene(path, options).warnings.empty());
   options.up = ReadOptions::Up::z;
   EXPECT_EQ(read_scene(path, options).warnings,
-            std::vector<std::string>{
-                path + ": --up: turns nothing; expected a model by itself, or --view"});
+            std::vector<std::string>{path + ": --up: turns nothing; expected a model by itself, "
+                                            "--view, --turntable or --environment"});
   options.brings_camera = true;
   EXPECT_TRUE(read_scene(path, options).warnings.empty());
 }
