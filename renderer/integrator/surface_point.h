@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-/// A hit, seen from where the ray came: its material for the side that is seen and normals turned
-/// towards the viewer.
+/// A hit, seen from where the ray came: the material of the side that is seen, and the normals of
+/// that side. The geometric one faces the viewer; the shading one may not.
 struct SurfacePoint {
   /// What lies at the hit, with the material's constants.
   SurfacePoint(const Scene& scene, uint32_t instance_index, const Ray& ray, const Hit& hit);

@@ -17,7 +17,8 @@ struct TileProgress {
   std::atomic<uint64_t> work_done{0};  ///< grows with every pixel, and every thousand rays of one
   std::atomic<bool> cancelled{false};  ///< set from outside: stop within so many rays
 
-  /// For the tracing thread: says that it gets on, by so many pixels. Whether it shall.
+  /// Called by the tracing thread: adds to the pixels that are done. Returns false when the tile
+  /// should stop.
   bool go_on(uint64_t done = 1) {
     work_done.store(work_done.load(std::memory_order_relaxed) + done, std::memory_order_relaxed);
     return !cancelled.load(std::memory_order_relaxed);
@@ -29,13 +30,13 @@ struct TileProgress {
 class TileRenderer {
  public:
   virtual ~TileRenderer() = default;
-  /// Nothing if it was cancelled.
+  /// Returns nothing when the tile was cancelled before it was finished.
   virtual std::optional<TilePixels> render(const RenderTask& task,
                                            TileProgress& progress) const = 0;
   /// Whether something of the scene is being built that render() may wait for, and with it does not
   /// get on.
   virtual bool builds() const { return false; }
-  /// What looks past everything, where all such pixels are alike.
+  /// The region of the frame that sees only a background of one colour, and what its pixels are.
   struct Unseen {
     PixelRect seen;        ///< outside of it, no sample of any pixel can hit
     TilePixels one_pixel;  ///< of those there, as render() would give it

@@ -15,14 +15,14 @@ namespace tessera {
 struct BsdfPoint {
   const Material& material;
   Color diffuse;          ///< the material's, after vertex colours
-  Vec3 normal;            ///< unit, for shading; on the viewer's side, or away from it
+  Vec3 normal;            ///< unit, for shading; may face away from the viewer
   Vec3 geometric_normal;  ///< unit, towards the viewer
   Vec3 wo;                ///< unit, to the viewer
   bool from_inside;       ///< the viewer is inside the material
 };
 
-/// What is made of a colour of which more would come back than came: as much of each as there is of
-/// the largest too much.
+/// Scales the colour so that its largest component is at most 1, lest more light come back than
+/// came.
 /// Also a lane each in lane_lambert-inl.h, to the bit.
 inline Color bounded(const Color& color) {
   const double largest = max_component(color);
@@ -142,7 +142,8 @@ class Bsdf {
   double coat_over_facets(CoatedFacets kind, double facets_o, double cos_i) const;
   /// The facets' Fresnel factor under it, `cosine` being that to their normal.
   Color coated_fresnel(double cosine, double cos_i) const;
-  /// Of `world_wi`, `wi` in the frame, and of what is mirrored into it from the other side.
+  /// Evaluates the two directions that end as `world_wi`: itself, and the one that is mirrored into
+  /// it at the surface. `wi` is `world_wi` in the frame; `is_beyond`: it is on the far side.
   BsdfValue evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_beyond) const;
   BsdfValue evaluate_local(const Vec3& wi, bool is_beyond) const;
   BsdfValue evaluate_glass(const Vec3& wi) const;
