@@ -87,6 +87,7 @@ Json limits_json() {
             {"files", OpenDocuments::kMostOpen},
             {"nice", StudioSettings::kMostNice},
             {"side", kMaxFrameSide},
+            {"pixels", page::kMostViewPixels},
             {"frames", page::kMostFrames}};
   for_each_render_option([&most](const Option& option) {
     if (option.most != 0) most[option.long_name()] = option.most;

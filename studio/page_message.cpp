@@ -20,7 +20,6 @@ using Json = nlohmann::json;
 
 constexpr int64_t kMostVersion = int64_t{1} << 53;
 constexpr int kMostSide = 16384;
-constexpr int64_t kMostViewPixels = 33'177'600;  // 7680x4320
 constexpr int kMostFrame = 999'999'999;
 constexpr size_t kMostOutputs = 8;
 

@@ -132,6 +132,8 @@ struct Workspace {
 
 /// Of one order: their files are looked for one by one.
 constexpr int kMostFrames = 100'000;
+/// The largest picture of a pane: 7680x4320.
+constexpr int64_t kMostViewPixels = 33'177'600;
 
 /// A full picture, or one of each frame, as `tessera render` makes them.
 struct Render {

@@ -131,7 +131,7 @@ TEST_F(StudioSessionTest, APageIsToldWhatOptionsTake) {
   for (const char* name :
        {"integrator", "pattern", "filter", "tone-map", "transfer", "aovs", "channel"})
     EXPECT_TRUE(welcome["choices"].contains(name)) << name;
-  for (const char* name : {"spp", "max-depth", "workers", "nice", "side", "frames"})
+  for (const char* name : {"spp", "max-depth", "workers", "nice", "side", "pixels", "frames"})
     EXPECT_GT(welcome["limits"].value(name, 0), 0) << name;
 }
 

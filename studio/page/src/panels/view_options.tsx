@@ -9,7 +9,7 @@ import { select, writeSettings } from "../entities.js";
 import { showPanel } from "../layout/layout_state.js";
 import { expose } from "../view/exposure.js";
 import * as state from "../state.js";
-import { currentCamera, MOST_PIXELS } from "../view/wish.js";
+import { currentCamera } from "../view/wish.js";
 import { isProbing, toggleProbe } from "../view/probe.js";
 import { showsWorkerTiles, toggleWorkerTiles } from "../view/worker_tiles.js";
 import { CameraFields } from "./camera_fields.js";
@@ -68,7 +68,9 @@ function Setting({ name, children }: { name: string; children: ComponentChildren
 /** A side of the picture, which is else as large as its pane. */
 function Side({ side, other, label }: { side: "width" | "height"; other: "width" | "height"; label: string }) {
   const { value: size } = state.askedSize;
-  const also = (value: number) => (value * (size[other] ?? 1) > MOST_PIXELS ? `at most ${MOST_PIXELS / 1e6} million pixels` : undefined);
+  const beside = size[other] ?? state.summary.value?.size?.[other === "width" ? 0 : 1] ?? 1;
+  const most = state.mostOf("pixels");
+  const also = (value: number) => (value * beside > most ? `at most ${Math.floor(most / beside)} beside ${beside}` : undefined);
   return (
     <Setting name={side}>
       <NumberField label={label} text={String(size[side] ?? "")} placeholder={size[other] === undefined ? "as the pane" : "scene says"} optional rules={{ whole: true, range: [1, state.mostOf("side")], also }} commit={(text) => setSize(side, number(text))} />

@@ -12,7 +12,6 @@ import { showsWorkerTiles } from "./worker_tiles.js";
 /** Between two wishes of a pane, whatever the screen's frames: the program counts messages. */
 const LEAST_BETWEEN_MS = 14;
 const AFTER_MOVEMENT_MS = 150;
-export const MOST_PIXELS = 33e6;
 /** What is fitted where a scene has nothing that ends. */
 const NOTHING: [Vector, Vector] = [[-1, -1, -1], [1, 1, 1]];
 
@@ -187,8 +186,10 @@ export function resend(): void {
 /** Takes what a pane's element has for its picture. The program waits until it no longer changes. */
 export function resized(pane: state.Pane, width: number, height: number): void {
   if (pane.number >= state.paneCount.peek()) return;
-  const ratio = Math.min(globalThis.devicePixelRatio || 1, Math.sqrt(MOST_PIXELS / Math.max(1, width * height)));
-  const area: [number, number] = [Math.round(width * ratio), Math.round(height * ratio)];
+  const screen = globalThis.devicePixelRatio || 1;
+  const ratio = Math.min(screen, Math.sqrt(state.mostOf("pixels") / Math.max(1, width * height)));
+  const whole = ratio < screen ? Math.floor : Math.round;
+  const area: [number, number] = [whole(width * ratio), whole(height * ratio)];
   const old = pane.area.peek();
   if (area[0] !== old[0] || area[1] !== old[1]) pane.area.value = area;
 }
