@@ -9,6 +9,7 @@
 
 #include "base/program_folder.h"
 #include "cli/command_line.h"
+#include "cli/interrupt.h"
 
 namespace tessera {
 namespace {
@@ -19,6 +20,7 @@ ExitCode become_tessera_bench(std::vector<std::string> arguments) {
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
+  const HeldInterrupts until_it_catches_them;
   execv(program.c_str(), pointers.data());
   throw render_error(fmt::format("{}: {}", program, std::strerror(errno)));
 }

@@ -21,6 +21,13 @@ std::atomic<size_t> leftover_count{0};
 
 constexpr std::array kInterrupts{SIGINT, SIGTERM, SIGHUP};
 
+sigset_t all_interrupts() {
+  sigset_t all;
+  sigemptyset(&all);
+  for (const int signal : kInterrupts) sigaddset(&all, signal);
+  return all;
+}
+
 void on_interrupt(int signal) {
   const bool is_first = !interrupt_flag.exchange(true);
   // Of a terminal that closes both the kernel and the shell may tell.
@@ -49,6 +56,8 @@ void end_at_interrupts() {
     const bool outlives_terminal = signal == SIGHUP && before.sa_handler == SIG_IGN;  // by nohup
     if (!outlives_terminal) sigaction(signal, &action, nullptr);
   }
+  const sigset_t held = all_interrupts();
+  pthread_sigmask(SIG_UNBLOCK, &held, nullptr);
 }
 
 void catch_interrupts() { flag_is_heeded = true; }
@@ -66,9 +75,7 @@ void remove_when_interrupted(const std::string& folder, const std::vector<std::s
 }
 
 HeldInterrupts::HeldInterrupts() {
-  sigset_t held;
-  sigemptyset(&held);
-  for (const int signal : kInterrupts) sigaddset(&held, signal);
+  const sigset_t held = all_interrupts();
   pthread_sigmask(SIG_BLOCK, &held, &before_);
 }
 

@@ -10,7 +10,8 @@
 namespace tessera {
 
 /// From here on SIGINT, SIGTERM and, unless it is ignored by now, SIGHUP end the process at once,
-/// with exit code 4 and without a half-written file. To be called first of all.
+/// with exit code 4 and without a half-written file; one that was held back until now does so here.
+/// To be called first of all.
 void end_at_interrupts();
 /// From here on the first of them only sets the flag, so that work can end cleanly; a later one but
 /// SIGHUP ends the process as before. Call once, before threads start.
@@ -24,7 +25,7 @@ void catch_interrupts();
 void remove_when_interrupted(const std::string& folder, const std::vector<std::string>& files);
 
 /// While it lives, interrupts of this thread wait: between making a file and telling the above of
-/// it.
+/// it, and while another program takes this one's place, until that one's end_at_interrupts().
 class HeldInterrupts {
  public:
   HeldInterrupts();

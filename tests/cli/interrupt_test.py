@@ -104,6 +104,15 @@ class Interrupt(TesseraTest):
                 process.communicate(timeout=PATIENCE)
                 self.assertIn(process.returncode, (4, 0) if arguments[0] == "info" else (4,))
 
+    def test_while_another_program_takes_its_place(self):
+        for i in range(40):
+            process = self.start("bench", "precision")
+            wait_until(lambda: catches(process, signal.SIGINT), "signals are caught")
+            time.sleep(0.0002 * i)
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=PATIENCE)
+            self.assertEqual(4, process.returncode)
+
     def test_once_while_a_traced_picture_is_denoised_or_written(self):
         scene = self.write("scene.tessera", "background { solid { r: 1 g: 1 b: 1 } } nodes { shape { sphere {} } }")
         for options in [("picture.png", "--denoise", "--size", "2400x1800", "--spp", 2),
