@@ -6,18 +6,6 @@
 
 namespace tessera {
 
-namespace {
-
-/// Whether each of its materials is, from both sides.
-bool is_simple(const Scene& scene, uint32_t instance) {
-  const InstanceShading& shading = scene.shading[instance];
-  for (uint32_t i = 0; i < shading.material_count; ++i)
-    if (!scene.material(instance, i).is_simple()) return false;
-  return !shading.is_veil;
-}
-
-}  // namespace
-
 WhittedSurfaces::WhittedSurfaces(const Scene& scene)
     : scene_(scene),
       batches_shadows_(scene.occluders.opaque && scene.occluders.opaque->takes_batches()),
@@ -31,7 +19,12 @@ WhittedSurfaces::WhittedSurfaces(const Scene& scene)
     const Instance& instance = scene.instances[i];
     Placed& placed = placed_.emplace_back();
     placed.light_set = scene.shading[i].light_set;
-    placed.is_simple = scene.features.plain_light && is_simple(scene, static_cast<uint32_t>(i));
+    placed.is_simple = scene.features.plain_light && !scene.shading[i].is_veil;
+    for (uint32_t slot = 0; slot < scene.shading[i].material_count; ++slot) {
+      const Material& material = scene.material(static_cast<uint32_t>(i), slot);
+      placed.is_simple &= material.is_simple();
+      are_simple_ &= material.sides != Sides::front_only;
+    }
     are_simple_ &= placed.is_simple;
     if (!instance.world_from_object.is_identity()) continue;
     placed.facing = instance.flip_normals ? -1 : 1;

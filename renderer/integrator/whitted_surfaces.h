@@ -25,8 +25,8 @@ class WhittedSurfaces {
   };
   const Scene& scene() const { return scene_; }
   const Placed& placed(uint32_t instance) const { return placed_[instance]; }
-  /// Whether all surfaces are simple, so that no ray is sent on in more than one direction, or
-  /// passes anything.
+  /// Whether all surfaces are simple and seen from both sides, so that no hit is looked at by
+  /// itself: by the last digit, culled backs are met.
   bool are_simple() const { return are_simple_; }
   /// What the camera is inside of.
   const Media& at_camera() const { return at_camera_; }

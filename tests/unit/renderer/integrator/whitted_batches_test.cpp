@@ -85,7 +85,7 @@ class AnyScene : RandomScene {
     text_ += fmt::format(
         "materials {{ name: 'm{}' {} classic {{ diffuse_model: {} diffuse {{ value {{ {} }} }} "
         "ambient {{ value {{ {} }} }}",
-        number, chance(.2) ? "sides: FRONT_ONLY" : "", models[pick(0, 3)], rgb(), rgb());
+        number, chance(.05) ? "sides: FRONT_ONLY" : "", models[pick(0, 3)], rgb(), rgb());
     if (chance(.3)) text_ += fmt::format(" specular {{ value {{ {} }} }}", rgb());
     if (chance(.5)) text_ += fmt::format(" reflectivity {{ value {{ {} }} }}", rgb());
     if (!is_simple_ && chance(.4)) {
@@ -171,7 +171,7 @@ std::shared_ptr<const Scene> built(const AnyScene& scene, const std::string& acc
 
 using Counts = std::vector<uint64_t>;
 Counts counts_of(const TraceCounters& c) {
-  return {c.rays_primary,        c.rays_shadow,      c.rays_reflection, c.hits,
+  return {c.rays_primary,        c.rays_shadow,      c.rays_reflection, c.rays_refraction, c.hits,
           c.shadow_rays_skipped, c.branches_skipped, c.lights_culled,   c.paths_cut};
 }
 
@@ -252,6 +252,38 @@ TEST(WhittedBatches, SeesIntoBoxesThatBallsAreCutOutOf) {
     make_whitted_batches(*scene, code.name)->radiances(rays, keys, found, state);
     EXPECT_EQ(found, expected) << code.name;
   }
+}
+
+TEST(WhittedBatches, PassesBacksThatAreMetByTheLastDigit) {
+  const auto description = parse_scene(
+      "settings { integrator { kind: 'whitted' } } cameras {} background { solid { r: 1 } } nodes "
+      "{ "
+      "light { directional { direction { y: -1 } } } } materials { name: 'm' sides: FRONT_ONLY "
+      "classic {} } nodes { shape { materials: 'm' sphere { center { x: .5 y: .25 } radius: .75 } "
+      "} }");
+  const auto scene = build_scene(description, {}, frame_of(16, 16), 1);
+  const auto one_by_one =
+      make_integrator(with_every_feature(build_scene(description, {}, frame_of(16, 16), 1)));
+  UniformNumbers random(3);
+  uint64_t passed = 0;
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Ray> rays(BatchTracer::kMost);
+    const std::vector<SampleKey> keys(rays.size());
+    std::vector<Color> expected(rays.size()), found(rays.size());
+    TraceState alone;
+    for (size_t j = 0; j < rays.size(); ++j) {
+      rays[j] = {{random.between(-9, -1), 1, 0}, {1, 0, 0}};  // which touches the ball
+      expected[j] = one_by_one->radiance(rays[j], keys[j], alone);
+    }
+    passed += alone.counters.rays_refraction;
+    for (const BvhKernels& code : all_kernels()) {
+      TraceState together;
+      make_whitted_batches(*scene, code.name)->radiances(rays, keys, found, together);
+      ASSERT_EQ(found, expected) << code.name;
+      ASSERT_EQ(counts_of(together.counters), counts_of(alone.counters)) << code.name;
+    }
+  }
+  EXPECT_GT(passed, 10u);
 }
 
 TEST(WhittedBatches, SendsRaysThroughRasterPointsAsTheCameraDoes) {
