@@ -1,5 +1,11 @@
 #include "front/load_frame.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/error.h"
 #include "front/scene_view.h"
 #include "front/texture_decoder.h"
 #include "scenes/formats/read_scene.h"
@@ -17,11 +23,24 @@ ReadOptions reading_of(const RenderOptions& options, int frame) {
   return reading;
 }
 
+/// What is wrong in a later frame alone tells which.
+LoadedScene read_frame(const RenderOptions& options, int frame) {
+  try {
+    return read_scene(options.scene, reading_of(options, frame));
+  } catch (const Error& error) {
+    if (!options.frames || frame == options.frames->front()) throw;
+    std::string message = error.what();  // below its first line is the text that it is about
+    message.insert(std::min(message.find('\n'), message.size()),
+                   fmt::format(" (in frame {})", frame));
+    throw Error(error.code(), message, error.diagnostics());
+  }
+}
+
 }  // namespace
 
 LoadedScene load_frame(const RenderOptions& options, int frame) {
   check_view(options);
-  LoadedScene loaded = read_scene(options.scene, reading_of(options, frame));
+  LoadedScene loaded = read_frame(options, frame);
   apply_scene_options(options, loaded.scene);
   use_view(options, loaded);
   return loaded;

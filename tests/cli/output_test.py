@@ -208,6 +208,17 @@ class Render(TesseraTest):
         stills = [read_png(path) for path in sorted(self.folder.glob("f.*.png"))]
         self.assertTrue(stills == animation.read_apng(self.folder / "all.apng")[0], "the frames differ")
 
+    def test_the_frame_that_cannot_be_read_is_named(self):
+        script = self.write("turn.crt", """\
+cam = Camera { position -> vec3(0, 0, -5) pointing -> vec3(0, 0, 1) fov -> 60 }
+Settings { camera -> cam }
+Scene { Sphere { center -> vec3(0, 0, 0) material -> Material { color -> rgb(1, 1, 1) } radius -> [1, 2][t] } }
+""")
+        for command in [("render", script, "--size", "8x8", "-o", "f.png"), ("submit", script)]:
+            result = self.run_program(*command, "--frames", "0-3")
+            self.assertEqual(1, result.code)
+            self.assertRegex(result.err, r"turn\.crt:3:\d+: the index 2; expected 0 to 1 \(in frame 2\)\n")
+
     def test_a_rate_needs_frames(self):
         self.assert_error(self.run_program("render", self.scene, "--fps", "10"), 2, "--fps", "--frames")
         for wrong in ("0", "-1", "nan", "x"):
