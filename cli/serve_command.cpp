@@ -98,7 +98,6 @@ FarmPage::Options page_options(const ServeOptions& options) {
 }
 
 ExitCode serve(const ServeOptions& options) {
-  catch_interrupts();
   configure_logging("info", "serve");
   if (options.json_log) log_as_json();
   keep_spare_descriptors();
@@ -127,6 +126,8 @@ ExitCode serve(const ServeOptions& options) {
   // is open are let in by what is kept of them now.
   security.allowed = registry().keys();
   auto server = bind_server(options.endpoint, std::move(security));
+  // Until here, where a name server may be silent, one ends it at once.
+  catch_interrupts();
   std::shared_ptr<JobStore> store;
   if (!options.store.empty()) store = std::make_shared<SqliteJobStore>(options.store);
   KeyRegistry keys = registry();
