@@ -136,7 +136,7 @@ void JobClient::finish(JobReport report) {
     std::memcpy(result.film.values().data(), pixels->data(), pixels->size());
   } else {
     result.film.mark_hole(crop_);
-    result.report.holes = {crop_};
+    if (result.report.tiles_done > 0 || result.report.holes.empty()) result.report.holes = {crop_};
     result.report.tiles_done = 0;
     if (result.report.end == JobReport::End::done) {
       result.report.end = JobReport::End::failed;

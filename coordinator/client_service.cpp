@@ -96,7 +96,8 @@ void ClientService::on_submit(const PeerId& peer, const v1::SubmitJob& request, 
     const uint64_t others = claimed_bytes(), budget = options_.client_budget_bytes;
     if (saturating_sum(fresh.claimed_bytes(), others) > budget) {
       throw render_error(fmt::format(
-          "a submission of {} bytes with its pictures; expected at most {} beside {} of others",
+          "a submission of {} bytes with its largest picture; expected at most {} beside {} of "
+          "others",
           fresh.claimed_bytes(), budget - std::min(budget, others), others));
     }
     Submission& submission = submissions_.emplace(id, std::move(fresh)).first->second;
@@ -132,7 +133,7 @@ void ClientService::advance(Submission& submission, Time now) {
     auto requests = submission.advance(*store_, now);
     if (claimed_bytes() > options_.client_budget_bytes) {
       throw render_error(
-          fmt::format("submissions of {} bytes with their pictures; expected at most {}",
+          fmt::format("submissions of {} bytes with their largest pictures; expected at most {}",
                       claimed_bytes(), options_.client_budget_bytes));
     }
     for (v1::BlobRequest& request : requests) {

@@ -20,14 +20,15 @@ namespace {
 constexpr uint64_t kReadBytes = uint64_t{4} << 20;
 constexpr size_t kMaxBlobs = size_t{1} << 18;
 
-/// Of all frames; 0 where the crop is none, which is refused later.
-uint64_t films_bytes(const v1::SubmitJob& request) {
+/// Of the largest of its films, which are not all there at one time; 0 where the crop is none,
+/// which is refused later.
+uint64_t largest_film_bytes(const v1::SubmitJob& request) {
   const v1::PixelRect& crop = request.crop();
   const int64_t width = int64_t{crop.x1()} - crop.x0(), height = int64_t{crop.y1()} - crop.y0();
   if (width <= 0 || height <= 0 || width > kMaxFrameSide || height > kMaxFrameSide) return 0;
   uint64_t bytes = 0;
   for (int frame = 0; frame < request.frames_size(); ++frame) {
-    bytes += film_bytes_of(request, static_cast<uint32_t>(frame));
+    bytes = std::max(bytes, film_bytes_of(request, static_cast<uint32_t>(frame)));
   }
   return bytes;
 }
@@ -49,7 +50,7 @@ Submission::Submission(v1::SubmitJob request, JobStore& store, Time now)
     throw usage_error(fmt::format("a submission with a name of {} bytes; expected at most {}",
                                   request_.name().size(), kMostName));
   }
-  claimed_bytes_ = films_bytes(request_);
+  claimed_bytes_ = largest_film_bytes(request_);
   for (const v1::JobFrame& frame : request_.frames()) {
     const auto digest = Digest::parse(frame.scene_digest());
     if (!digest) throw usage_error("a submission without a scene; expected its digest");

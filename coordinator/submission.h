@@ -25,7 +25,7 @@ class Submission {
   const v1::SubmitJob& request() const { return request_; }
   /// It ends so, and lets go of what it was sent.
   void fail(v1::JobStatus how);
-  /// What it may come to take: its scenes, its blobs as far as they are known, and its films.
+  /// What it may come to take: its scenes, its blobs as far as they are known, and a film.
   uint64_t claimed_bytes() const { return claimed_bytes_; }
   uint64_t scene_bytes() const { return scene_bytes_; }
 

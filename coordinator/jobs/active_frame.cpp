@@ -445,7 +445,10 @@ void ActiveFrame::interrupt() {
 
 JobResult ActiveFrame::finish() {
   const auto& tiles = assembler_.tiles();
-  report_.holes = assembler_.mark_holes();
+  report_.holes = assembler_.holes();
+  // Nobody looks at a picture of nothing, which may be large.
+  const bool is_seen = report_.end != JobReport::End::interrupted || assembler_.tiles_done() > 0;
+  if (is_seen) assembler_.mark_holes();
   if (!ended_ && !report_.holes.empty()) {
     const PixelRect& hole = report_.holes.front();
     fail(ExitCode::render_failed,

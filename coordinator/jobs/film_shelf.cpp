@@ -12,9 +12,14 @@
 #include "job/tile_grid.h"
 
 namespace tessera {
-BlobData FilmShelf::keep_at_hand(const Digest& digest, const Film& film) {
-  const auto pixels = std::as_bytes(film.values());
-  at_hand_.emplace_front(digest, copy_to_blob(pixels));
+
+BlobData FilmShelf::to_blob(Film film) {
+  const auto owner = std::make_shared<const Film>(std::move(film));
+  return Blob::share(owner, std::as_bytes(owner->values()));
+}
+
+BlobData FilmShelf::keep_at_hand(const Digest& digest, Film film) {
+  at_hand_.emplace_front(digest, to_blob(std::move(film)));
   uint64_t bytes = 0;
   for (const auto& [film_digest, data] : at_hand_) bytes += data->size();
   for (; at_hand_.size() > 1 && bytes > most_bytes_; at_hand_.pop_back()) {
@@ -23,14 +28,10 @@ BlobData FilmShelf::keep_at_hand(const Digest& digest, const Film& film) {
   return at_hand_.front().second;
 }
 
-Digest FilmShelf::put(const Film& film, const Recipe& recipe) {
+Digest FilmShelf::put(Film film, const Recipe& recipe) {
   const Digest digest = Digest::of(std::as_bytes(film.values()));
   note(digest, recipe);
-  try {
-    keep_at_hand(digest, film);
-  } catch (const std::bad_alloc&) {
-    // It is put together again when it is asked for, as one that is not at hand any more.
-  }
+  keep_at_hand(digest, std::move(film));
   return digest;
 }
 
@@ -52,12 +53,13 @@ BlobData FilmShelf::find(const Digest& digest, State* state) {
   try {
     Assembler assembler(crop, cut_tiles(crop, tile_size), aovs);
     assembler.restore(store_->find(key));
-    const bool is_whole = assembler.mark_holes().empty();
+    const bool is_whole = assembler.holes().empty();
+    assembler.mark_holes();
     if (Digest::of(std::as_bytes(assembler.film().values())) != digest) {
       if (state) *state = is_whole ? State::changed : State::incomplete;
       return nullptr;
     }
-    return keep_at_hand(digest, assembler.film());
+    return keep_at_hand(digest, std::move(assembler.film()));
   } catch (const Error& error) {
     spdlog::warn("{}; a picture cannot be shown now", error.what());
   } catch (const std::bad_alloc&) {

@@ -30,7 +30,7 @@ class FilmShelf {
     AovSet aovs{};
   };
   /// Names the film, and keeps it at hand for now.
-  Digest put(const Film& film, const Recipe& recipe);
+  Digest put(Film film, const Recipe& recipe);
   void note(const Digest& film, const Recipe& recipe) { recipes_.emplace(film, recipe); }
   void forget(const Digest& film);
   /// What a film's tiles are found to be.
@@ -42,12 +42,14 @@ class FilmShelf {
   /// Null where there is no such film, no memory for it, or its tiles are no longer what they were,
   /// which `state`, where it is given, then tells.
   BlobData find(const Digest& film, State* state = nullptr);
+  /// The film's values, which it gives away.
+  static BlobData to_blob(Film film);
   /// What there is in the store of the film, and of how many tiles; nothing where there is no tile,
   /// or no memory for it.
   std::optional<std::pair<Film, uint64_t>> part(const Recipe& recipe) const;
 
  private:
-  BlobData keep_at_hand(const Digest& digest, const Film& film);
+  BlobData keep_at_hand(const Digest& digest, Film film);
 
   std::shared_ptr<TileStore> store_;
   std::unordered_map<Digest, Recipe> recipes_;

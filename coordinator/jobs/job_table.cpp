@@ -159,8 +159,8 @@ std::optional<FilmView> JobTable::film(uint64_t id, uint32_t frame) {
   const auto end = job && frame < job->frame_count() ? job->end_of(frame) : std::nullopt;
   BlobData pixels = end ? films_.find(Digest::from_hex(end->film_digest())) : nullptr;
   if (job && !end && job->stored(frame) > 0 && has_frame(job->kept(), frame)) {
-    const auto part = films_.part(recipe_of(job->kept(), frame));
-    if (part) pixels = copy_to_blob(std::as_bytes(part->first.values()));
+    auto part = films_.part(recipe_of(job->kept(), frame));
+    if (part) pixels = FilmShelf::to_blob(std::move(part->first));
   }
   const PixelRect rect = job ? rect_of(job->request().crop()) : PixelRect{};
   const int channels = job ? aovs_of(job->request(), frame).channels() : kFilmChannels;
@@ -335,6 +335,7 @@ void JobTable::cancel(Job& job) {
 }
 
 void JobTable::forget_film(const Job& job, const std::string& film) {
+  if (film.empty()) return;
   films_.forget(Digest::from_hex(film));
   for (const auto& [id, other] : jobs_) {
     if (other.get() == &job) continue;

@@ -433,8 +433,10 @@ void JobTable::finish(Job& job, Job::Running& running, Changes& changes) {
   traces_.emplace_back(id, std::move(result.report.trace));
   if (traces_.size() > kKeptTraces) traces_.pop_front();
   job.last_costs() = std::move(costs);
-  end.set_film_size(result.film.values().size_bytes());
-  end.set_film_digest(films_.put(result.film, recipe_of(job.kept(), frame)).hex());
+  if (result.report.tiles_done > 0) {
+    end.set_film_size(result.film.values().size_bytes());
+    end.set_film_digest(films_.put(std::move(result.film), recipe_of(job.kept(), frame)).hex());
+  }
   if (!is_expected(job, frame, end)) {
     job.put_aside(frame);
     list_running();

@@ -107,14 +107,16 @@ std::vector<uint32_t> Assembler::restore(
   return restored;
 }
 
-std::vector<PixelRect> Assembler::mark_holes() {
+std::vector<PixelRect> Assembler::holes() const {
   std::vector<PixelRect> holes;
   for (uint32_t tile = 0; tile < tiles_.size(); ++tile) {
-    if (complete(tile)) continue;
-    film_.mark_hole(tiles_[tile]);
-    holes.push_back(tiles_[tile]);
+    if (!complete(tile)) holes.push_back(tiles_[tile]);
   }
   return holes;
+}
+
+void Assembler::mark_holes() {
+  for (const PixelRect& hole : holes()) film_.mark_hole(hole);
 }
 
 std::vector<v1::TileBand> Assembler::bands_of(uint32_t tile) const {

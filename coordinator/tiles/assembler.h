@@ -76,8 +76,10 @@ class Assembler {
   const CounterMap& build_counters() const { return build_counters_; }
   Film& film() { return film_; }
   const Film& film() const { return film_; }
-  /// Marks what is not complete in the film. Call once, at the end. The holes.
-  std::vector<PixelRect> mark_holes();
+  /// Tiles that are not complete.
+  std::vector<PixelRect> holes() const;
+  /// Marks them in the film. Call once, at the end.
+  void mark_holes();
 
  private:
   /// A tile of which some rows are there.

@@ -56,6 +56,7 @@ TEST_F(ClientTest, CancelsAJobAtOnceAlsoWhereItWasNotBegun) {
   const v1::JobStatus cancelled = ask(42, true);
   EXPECT_EQ(cancelled.state(), v1::JobStatus::ENDED);
   EXPECT_EQ(cancelled.end().how(), v1::JobEnd::INTERRUPTED);
+  EXPECT_EQ(cancelled.end().film_digest(), "") << "no picture is made of no tile";
 }
 
 TEST_F(ClientTest, AreNotGoneBecauseTheCoordinatorWasStopped) {

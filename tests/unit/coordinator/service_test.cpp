@@ -91,6 +91,8 @@ TEST_F(ServiceTest, FilmsOfFramesThatRunAreHeldToABudget) {
   EXPECT_EQ(ask(one).state(), v1::JobStatus::RUNNING);
   EXPECT_EQ(ask(two).state(), v1::JobStatus::QUEUED);
   EXPECT_EQ(ask(small).state(), v1::JobStatus::RUNNING) << "there is room for this one";
+  const uint64_t animation = submit(4, 0, 32, 1, 5);
+  EXPECT_EQ(ask(animation).state(), v1::JobStatus::QUEUED) << "its films are not all there at once";
   come(1, 8);
   for (const v1::Assign& assign : assigned()) say("w1", band(assign, 1));
   EXPECT_EQ(ask(one).how(), v1::JobEnd::DONE);

@@ -32,7 +32,7 @@ class FilmShelfTest : public ::testing::Test {
     for (const v1::TileBand& band : assembler.bands_of(0)) *tile.kept.add_bands() = band;
     const Digest key = Digest::of(std::to_string(value));
     store->keep(key, tile);
-    return shelf.put(assembler.film(), {key, kCrop, 8});
+    return shelf.put(std::move(assembler.film()), {key, kCrop, 8});
   }
   std::shared_ptr<CountingStore> store = std::make_shared<CountingStore>();
 };
