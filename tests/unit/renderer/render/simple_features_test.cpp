@@ -62,7 +62,7 @@ TEST(SimpleFeatures, KeepTheBitsAndAreToldFromOthers) {
            Feature{"classic { }", "", "", true},
            Feature{"classic { specular { value { r: .5 g: .5 b: .5 } } }", "", "", true},
            Feature{"classic { }", "ambient_intensity: .3", "", true},
-           Feature{"sides: FRONT_ONLY classic { }", "", "", true},
+           Feature{"sides: FRONT_ONLY classic { }", "", "", false},
            Feature{"classic { diffuse_model: HALF_LAMBERT }", "", "", true},
            Feature{"classic { reflectivity { value { r: .5 } } }", "", "", true},
            Feature{"classic { }", "shadow_distance: .6", "", true},
