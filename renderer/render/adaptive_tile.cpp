@@ -25,10 +25,11 @@ bool contains_pixel(const PixelRect& rect, int x, int y) {
 
 class AdaptiveTile {
  public:
-  AdaptiveTile(const Scene& scene, const SampleTracer& tracer, const RenderTask& task,
-               TileState& state, TileWriter& writer)
+  AdaptiveTile(const Scene& scene, const SampleTracer& tracer, const HiddenLight& hidden,
+               const RenderTask& task, TileState& state, TileWriter& writer)
       : scene_(scene),
         tracer_(tracer),
+        hidden_(hidden),
         task_(task),
         state_(state),
         writer_(writer),
@@ -79,7 +80,7 @@ class AdaptiveTile {
       if (!trace_samples(pixels, count, done, next, estimate)) return false;
       done = next;
       if (done < first_look || !std::has_single_bit(done)) continue;
-      estimate.look(done);
+      estimate.look(done, hidden_.square_error(block.x0, block.y0, static_cast<int>(count), done));
       converged = estimate.most_taken_off() < error_after(done, task_.sample_count);
       looked = done;
       if (shows_error_ && (converged || 2 * done > task_.sample_count)) {
@@ -165,6 +166,7 @@ class AdaptiveTile {
 
   const Scene& scene_;
   const SampleTracer& tracer_;
+  const HiddenLight& hidden_;
   const RenderTask& task_;
   TileState& state_;
   /// What is traced for the decision alone is counted apart: the rest does not depend on how the
@@ -178,9 +180,9 @@ class AdaptiveTile {
 
 }  // namespace
 
-bool render_adaptively(const Scene& scene, const SampleTracer& tracer, const RenderTask& task,
-                       TileState& state, TileWriter& writer) {
-  return AdaptiveTile(scene, tracer, task, state, writer).render();
+bool render_adaptively(const Scene& scene, const SampleTracer& tracer, const HiddenLight& hidden,
+                       const RenderTask& task, TileState& state, TileWriter& writer) {
+  return AdaptiveTile(scene, tracer, hidden, task, state, writer).render();
 }
 
 }  // namespace tessera

@@ -56,7 +56,7 @@ BlockEstimate::BlockEstimate(int pixels, bool nets, double gain, uint32_t first_
       gain_squared_(gain * gain),
       by_chance_(by_chance) {}
 
-void BlockEstimate::look(uint32_t samples) {
+void BlockEstimate::look(uint32_t samples, double hidden) {
   samples_ = samples;
   const double n = samples, count = static_cast<double>(count_);
   double spread = 0, squares = 0;
@@ -74,7 +74,7 @@ void BlockEstimate::look(uint32_t samples) {
     variance_ *= left_of_spread(edge);
     taken_off_ *= left_of_spread(edge_difference(n));
   }
-  unseen_ = kHidingBlocks / (count * n * n);
+  unseen_ = std::max(hidden, kHidingBlocks / (count * n * n));
   if (samples < kRuns * run_) return;
   run_ *= 2;
   for (size_t i = 0; i < count_; ++i) {
@@ -211,8 +211,9 @@ BlockEstimate::Left BlockEstimate::left_of_independent(const Pool& pooled) const
 
 /// Of a pixel that hides it, the square error.
 double BlockEstimate::hidden() const {
-  const double brightness = std::max(1.0, std::min(by_chance_, kMostHidden * samples_));
-  return unseen_ * brightness * brightness;
+  const double n = samples_, brightness = std::min(by_chance_, kMostHidden * n);
+  return std::max(unseen_,
+                  kHidingBlocks * brightness * brightness / (static_cast<double>(count_) * n * n));
 }
 
 std::array<double, BlockEstimate::kMaxPixels> BlockEstimate::standard_errors() const {

@@ -21,8 +21,8 @@ namespace tessera {
 ///
 /// Errors of a pixel brighter than display white count in proportion to it.
 ///
-/// What was not seen is not known to be absent. One block in 64 is taken to hide a feature of
-/// display white that all its samples miss with chance 1/e, so that no block passes by having no
+/// What was not seen is not known to be absent. One block in 64 at least is taken to hide a feature
+/// of display white that all its samples miss with chance 1/e, so that no block passes by having no
 /// variance.
 class BlockEstimate {
  public:
@@ -45,7 +45,8 @@ class BlockEstimate {
     if ((++p.count & (run_ - 1)) == 0) p.ends[p.count / run_ - 1] = p.sum;
   }
   /// All pixels have `samples` samples: those of the first look, twice as many and so on, in turn.
-  void look(uint32_t samples);
+  /// `hidden`: HiddenLight::square_error() of them.
+  void look(uint32_t samples, double hidden = 0);
 
   /// Of the latest look: root mean square of the pixels' means' standard errors over the block and
   /// the three channels; of a pixel brighter than display white in proportion to it.

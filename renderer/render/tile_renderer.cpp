@@ -26,10 +26,10 @@ PixelRect intersection(const PixelRect& a, const PixelRect& b) {
 class SceneTileRenderer final : public TileRenderer {
  public:
   explicit SceneTileRenderer(std::shared_ptr<const Scene> scene)
-      : scene_(std::move(scene)),
-        tracer_(scene_),
-        aovs_(scene_),
-        is_adaptive_(scene_->settings.target_error > 0 && !tracer_.samples_coincide()) {}
+      : scene_(std::move(scene)), tracer_(scene_), aovs_(scene_) {
+    const bool is_adaptive = scene_->settings.target_error > 0 && !tracer_.samples_coincide();
+    if (is_adaptive) hidden_.emplace(*scene_, tracer_);
+  }
 
   CounterMap build_counters() const override { return scene_->counters; }
 
@@ -49,8 +49,8 @@ class SceneTileRenderer final : public TileRenderer {
       state.beyond = pixel_beyond(task);
     }
     TileWriter writer(*scene_, aovs_, task.first_sample, tile, progress);
-    const bool done = is_adaptive_ ? render_adaptively(*scene_, tracer_, task, state, writer)
-                                   : render_pixels(task, state, writer);
+    const bool done = hidden_ ? render_adaptively(*scene_, tracer_, *hidden_, task, state, writer)
+                              : render_pixels(task, state, writer);
     if (!done || progress.cancelled.load(std::memory_order_relaxed)) return std::nullopt;
     state.counters.add_to(tile.counters);
     if (!aovs_.aovs().empty()) tile.counters["rays_aov"] = writer.rays_beside_light();
@@ -186,7 +186,7 @@ class SceneTileRenderer final : public TileRenderer {
   std::shared_ptr<const Scene> scene_;
   SampleTracer tracer_;
   AovTracer aovs_;
-  bool is_adaptive_;
+  std::optional<HiddenLight> hidden_;  ///< by adaptive sampling alone
 };
 
 }  // namespace

@@ -1,7 +1,9 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -172,6 +174,63 @@ TEST(Adaptive, keeps_its_target) {
     EXPECT_LT(error, last);
     EXPECT_LT(tile.counters.at("samples"), 500u * 40 * 32);
     last = error;
+  }
+}
+
+// A closed box under a bright sky, which light enters by a slit, and a ball in it.
+constexpr char kSlit[] = R"(
+  settings { integrator { kind: 'path' max_depth: 16 } }
+  cameras { world_from_camera { steps { look_at { eye { x: -1.6 y: 1.3 z: 1.6 } target { x: .3 y: .7 z: -.5 } } } }
+            perspective { field_of_view: 60 } }
+  background { solid { r: 40 g: 40 b: 40 } }
+  materials { name: 'm' classic { diffuse { value { r: .75 g: .75 b: .75 } } } }
+  nodes { shape { materials: 'm' csg { operation: DIFFERENCE
+    operands { shape { box { min { x: -2.1 y: -.1 z: -2.1 } max { x: 2.1 y: 2.6 z: 2.1 } } } }
+    operands { shape { box { min { x: -2 y: 0 z: -2 } max { x: 2 y: 2.5 z: 2 } } } }
+    operands { shape { box { min { x: 1.9 y: 1.5 z: -.06 } max { x: 2.3 y: 2.2 z: .06 } } } } } } }
+  nodes { shape { materials: 'm' sphere { center { x: .3 y: .5 z: -.5 } radius: .5 } } })";
+
+/// Bright balls that each cover a hundredth of a pixel, every other one behind a wall, and a large
+/// one.
+std::string specks() {
+  std::string text = R"(
+    settings { integrator { kind: 'path' } }
+    cameras { world_from_camera { steps { translate { z: 10 } } } orthographic { min_x: -16 min_y: -12 max_x: 16 max_y: 12 } }
+    materials { name: 'bright' classic { diffuse { value {} } emission { value { r: 300 g: 300 b: 300 } } } }
+    materials { name: 'dim' classic { diffuse { value {} } emission { value { r: .5 g: .5 b: .5 } } } }
+    materials { name: 'wall' classic { diffuse { value {} } } }
+    nodes { shape { materials: 'wall' box { min { x: -16 y: -12 } max { x: 0 y: 12 z: 1 } } } }
+    nodes { shape { materials: 'dim' sphere { center { x: 8 y: 2 } radius: 3 } } })";
+  for (int i = 0; i < 24; ++i) {
+    text += fmt::format(
+        "nodes {{ shape {{ materials: 'bright' sphere {{ center {{ x: {} y: {} z: -4 }} radius: "
+        ".056 }} }} }}",
+        i % 2 == 0 ? 1 + i / 2 : -1 - i / 2, -11.3 + .7 * i);
+  }
+  return text;
+}
+
+TEST(Adaptive, loses_no_light_that_few_samples_meet) {
+  constexpr int kWidth = 32, kHeight = 24;
+  constexpr uint32_t kMost = 256;
+  struct Case {
+    std::string text;
+    double target;
+  };
+  for (const Case& each : {Case{kSlit, 0.2}, Case{specks(), 0.05}}) {
+    const auto render = [&](double target) {
+      const auto frame = adaptive_frame(kWidth, kHeight, kMost, target);
+      return render_rect(*make_tile_renderer(parse_scene(each.text), {}, frame, 1),
+                         {0, 0, kWidth, kHeight}, kMost);
+    };
+    const auto mean = [](const TilePixels& tile) {
+      return std::accumulate(tile.values.begin(), tile.values.end(), 0.0) /
+             static_cast<double>(tile.values.size());
+    };
+    const double all = mean(render(0));
+    const TilePixels tile = render(each.target);
+    EXPECT_NEAR(mean(tile), all, 0.03 * all);
+    EXPECT_GT(tile.counters.at("samples_saved"), kWidth * kHeight * kMost / 16) << "it stops";
   }
 }
 
