@@ -233,6 +233,12 @@ class BadScenes(TesseraTest):
         for ending in ["tessera", "tesserab", "json", "obj", "x3d"]:
             self.refused(f"rubbish.{ending}", rubbish)
 
+    def test_a_key_that_a_later_frame_needs_is_located(self):
+        self.refused("scene.tessera", "nodes {\n  shape { sphere { } }\n"
+                     "  keys { time: 0 transform { steps { translate { } } } }\n"
+                     "  keys { time: 9 transform { steps { scale { x: 1 y: 1 z: 1 } } } }\n}\n",
+                     "scene.tessera:3:3: ", "the same kinds of steps")
+
     def test_not_finite(self):
         self.refused("scene.tessera", "nodes { shape { sphere { radius: nan } } }\n")
         self.refused("big.tessera", "nodes { shape { sphere { radius: 1e999 } } }\n")
