@@ -176,6 +176,14 @@ class BadCommandLine(TesseraTest):
                 self.refused("serve", f"--bind={endpoint}", says=[endpoint or "ENDPOINT"])
                 self.refused("worker", f"--connect={endpoint}", says=[endpoint or "ENDPOINT"])
 
+    def test_an_option_in_place_of_a_value(self):
+        self.refused("serve", "--store", "--http", "127.0.0.1:0", says=["--store: '--http'", "expected DIR"])
+        self.refused("render", self.scene, "-o", "--size", "16x16", says=["-o: '--size'", "expected"])
+
+    def test_the_port_of_an_origin(self):
+        self.refused("serve", "--http", "127.0.0.1:0", "--http-origin", "https://127.0.0.1:99999/",
+                     says=["--http-origin: 'https://127.0.0.1:99999/'"])
+
     def test_only_loopback_without_keys(self):
         self.refused("serve", "--bind", "tcp://0.0.0.0:*", says=["0.0.0.0"])
 
