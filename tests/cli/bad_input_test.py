@@ -10,6 +10,7 @@ import struct
 import unittest
 
 import scenes
+import stored_pictures
 from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, heed_permissions
 
 
@@ -246,6 +247,14 @@ class BadScenes(TesseraTest):
                      "  keys { time: 0 transform { steps { translate { } } } }\n"
                      "  keys { time: 9 transform { steps { scale { x: 1 y: 1 z: 1 } } } }\n}\n",
                      "scene.tessera:3:3: ", "the same kinds of steps")
+
+    def test_a_picture_is_called_by_its_name(self):
+        data = stored_pictures.exr({"R": 1, "G": 1, "B": 1})
+        for name, cut in (("short.exr", data[:-5]), ("head.exr", b"\x76\x2f\x31\x01no picture at all")):
+            path = self.write(name, cut)
+            result = self.run_program("compare", path, path)
+            self.assert_error(result, 2, name)
+            self.assertNotIn("/proc", result.err)
 
     def test_not_finite(self):
         self.refused("scene.tessera", "nodes { shape { sphere { radius: nan } } }\n")
