@@ -1,5 +1,7 @@
 #include "cli/add_options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <vector>
 
@@ -38,7 +40,13 @@ void check_texts(CLI::App& command) {
   for (CLI::Option* option : command.get_options([](const CLI::Option*) { return true; })) {
     if (option->get_items_expected_max() == 0) continue;  // a flag
     const std::string type = option->get_type_name();
-    option->check([type](const std::string& text) { return wrong_text(text, type); });
+    const bool is_named = option->nonpositional();
+    option->check([type, is_named, &command](const std::string& text) {
+      const bool is_option =
+          is_named && text.starts_with("-") && command.get_option_no_throw(text) != nullptr;
+      return is_option ? fmt::format("'{}', which is an option; expected {}", text, type)
+                       : wrong_text(text, type);
+    });
   }
   const auto any = [](const CLI::App*) { return true; };
   for (CLI::App* below : command.get_subcommands(any)) check_texts(*below);

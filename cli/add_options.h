@@ -17,7 +17,8 @@ namespace tessera {
 /// Adds the options of the list to a command.
 void add_options(CLI::App& command, const OptionList& options);
 
-/// Has every option and argument of the command, and of those below it, checked by wrong_text().
+/// Has every option and argument of the command, and of those below it, checked by wrong_text(),
+/// and for the name of an option in place of the value that was forgotten.
 void check_texts(CLI::App& command);
 
 /// Adds an option that is a whole number in [least, most].

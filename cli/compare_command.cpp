@@ -114,6 +114,8 @@ ExitCode compare(const CompareOptions& options) {
     pictures[i] = read_picture(i == 0 ? options.first : options.second);
   });
   const auto& [a, b] = pictures;
+  if (!a.part_note.empty()) say_warning(fmt::format("{}: {}", options.first, a.part_note));
+  if (!b.part_note.empty()) say_warning(fmt::format("{}: {}", options.second, b.part_note));
   check_comparable(options, a, b);
   const Difference d = difference_of(a.values, b.values, a.channels.size(),
                                      static_cast<size_t>(a.width), options.max_difference);

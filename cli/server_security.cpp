@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "front/farm_connection.h"
 #include "proto/transport/endpoint.h"
 
@@ -38,6 +39,8 @@ ServerSecurity read_security(const SecurityOptions& options) {
   if (options.insecure) throw usage_error("--insecure: is for no keys; expected no --key");
   security.keys = read_secret_key(options.key, "--key");
   security.allowed = read_allow_list(options.allow, "--allow");
+  if (security.allowed.size() == 0)
+    spdlog::warn("--allow: '{}' lists no key: nobody is let in", options.allow);
   return security;
 }
 

@@ -263,6 +263,10 @@ std::optional<PreviewImage> Coordinator::preview(uint64_t job, uint32_t frame, i
   return jobs_->preview(job, frame, most_side);
 }
 
+int32_t Coordinator::number_of(uint64_t job, uint32_t frame) const {
+  return jobs_->number_of(job, frame);
+}
+
 std::vector<std::pair<uint64_t, uint32_t>> Coordinator::running_frames() const {
   return jobs_->running_frames();
 }

@@ -98,6 +98,8 @@ class Coordinator {
   /// The picture so far, no side longer than `most_side` > 0. Nothing where there is none yet.
   /// Takes milliseconds, for a large film that was finished long ago up to a second.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// The number by which users know the frame of a job, which counts from 0 here.
+  int32_t number_of(uint64_t job, uint32_t frame) const;
   /// The frames that are being traced: job, and frame counted from 0. Those of this process too.
   std::vector<std::pair<uint64_t, uint32_t>> running_frames() const;
   /// Another number once a job has come or the first tile of a frame is done: what those who watch

@@ -12,7 +12,9 @@ DecodedTexture as_texture(TextureImage picture) {
           .bits = picture.bits,
           .texels = std::move(picture.texels),
           .meaning = picture.meaning,
-          .unused_channels = std::move(picture.unused_channels)};
+          .unused_channels = std::move(picture.unused_channels),
+          .part_note = std::move(picture.part_note),
+          .gamma = picture.gamma};
 }
 
 }  // namespace

@@ -169,7 +169,7 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   if (reply.is_shared) {
     BlobData shared = Blob::map_sealed(std::move(memory), reply.payload_bytes);
     if (!shared) return std::nullopt;
-    return Answer{reply.layout, std::move(shared), meaning};
+    return Answer{reply.layout, std::move(shared), meaning, {}, "", reply.gamma};
   }
   std::vector<std::byte> payload(reply.payload_bytes);
   if (!channel.receive_bytes(payload.data(), payload.size())) return std::nullopt;
@@ -179,7 +179,12 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   }
   std::string names(reply.names_bytes, 0);
   if (!channel.receive_bytes(names.data(), names.size())) return std::nullopt;
-  return Answer{reply.layout, make_blob(std::move(payload)), meaning, split_names(names)};
+  return Answer{reply.layout,
+                make_blob(std::move(payload)),
+                meaning,
+                split_names(names),
+                std::string(reply.part, strnlen(reply.part, sizeof reply.part)),
+                reply.gamma};
 }
 
 void ImageCodec::tell_sandbox(const ImageReply& reply) {

@@ -38,6 +38,8 @@ class ImageCodec {
     BlobData payload;
     SampleMeaning meaning{};           ///< of what was decoded
     std::vector<std::string> names{};  ///< of channels
+    std::string part{};                ///< as ImageReply has it
+    float gamma = 0;                   ///< likewise
   };
   /// What the codec answers in place of what it was asked for: its cause, as a render error.
   struct Refusal : Error {

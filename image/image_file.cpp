@@ -195,6 +195,17 @@ ImageBytes copy_bytes(const std::string& name, std::string_view file) {
   return copy;
 }
 
+/// What the codec tells of a file, whose libraries call it by a path of the codec's own.
+std::string named(std::string cause, const std::string& name) {
+  constexpr std::string_view kOwn = "/proc/self/fd/";
+  for (size_t at = cause.find(kOwn); at != std::string::npos; at = cause.find(kOwn, at)) {
+    const size_t end = cause.find_first_not_of("0123456789", at + kOwn.size());
+    cause.replace(at, std::min(end, cause.size()) - at, name);
+    at += name.size();
+  }
+  return cause;
+}
+
 ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name, ImageBytes file,
                           bool to_srgb = false) {
   ImageRequest request;
@@ -204,11 +215,16 @@ ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name, Imag
   try {
     return ImageCodec::shared().decode(request, std::move(file.memory));
   } catch (const ImageCodec::Refusal& refusal) {
-    throw scene_error(SourcePlace{name}, fmt::format("can not be read: {}", refusal.what()),
+    throw scene_error(SourcePlace{name},
+                      fmt::format("can not be read: {}", named(refusal.what(), name)),
                       "an image file");
   } catch (const Error& error) {
     throw render_error(fmt::format("'{}' cannot be read: {}", name, error.what()));
   }
+}
+
+std::string part_note(const std::string& part) {
+  return part.empty() ? "" : fmt::format("the first part has no colours; part '{}' is read", part);
 }
 
 TextureImage as_texture(ImageCodec::Answer answer) {
@@ -218,7 +234,9 @@ TextureImage as_texture(ImageCodec::Answer answer) {
           .bits = static_cast<uint32_t>(answer.layout.bits),
           .texels = std::move(answer.payload),
           .meaning = answer.meaning,
-          .unused_channels = std::move(answer.names)};
+          .unused_channels = std::move(answer.names),
+          .part_note = part_note(answer.part),
+          .gamma = answer.gamma};
 }
 
 }  // namespace
@@ -299,7 +317,8 @@ std::string encode_image(const fs::path& path, const Film& film, const OutputSet
   try {
     return std::string(as_text(*encode(format, film, settings, metadata)));
   } catch (const Error& error) {
-    throw render_error(fmt::format("'{}' cannot be written: {}", path.string(), error.what()));
+    throw render_error(fmt::format("'{}' cannot be written: {}", path.string(),
+                                   named(error.what(), path.string())));
   }
 }
 
@@ -315,7 +334,8 @@ FloatImage read_image(const fs::path& path) {
                    .height = answer.layout.height,
                    .channels = answer.names,
                    .values = {},
-                   .meaning = answer.meaning};
+                   .meaning = answer.meaning,
+                   .part_note = part_note(answer.part)};
   const std::span<const std::byte> samples = *answer.payload;
   const size_t bytes = static_cast<size_t>(answer.layout.bits) / 8;
   image.values.resize(samples.size() / bytes);

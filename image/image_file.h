@@ -33,6 +33,7 @@ struct FloatImage {
   std::vector<std::string> channels;  ///< their names, at least one
   std::vector<float> values;
   SampleMeaning meaning{};  ///< of its colours
+  std::string part_note{};  ///< which part of OpenEXR it is, where that is not the first
 };
 
 /// Red, green and blue of the picture as linear light: what it shows before black, so that alpha
@@ -48,6 +49,9 @@ struct TextureImage {
   BlobData texels;
   SampleMeaning meaning{};
   std::vector<std::string> unused_channels{};  ///< names of the file's other channels
+  std::string part_note{};  ///< which part of OpenEXR it is, where that is not the first
+  /// The exponent that a PNG says made its codes of light, where that is not about sRGB's; else 0.
+  float gamma = 0;
 };
 
 /// Starts what `path` will be encoded by (ImageCodec) without waiting for it. May be called from

@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "base/all_failures.h"
@@ -227,11 +228,12 @@ py::tuple read_file(const std::string& path) {
                         !image.meaning.from_integers);
 }
 
-/// The picture in a file: red, green and blue as linear light.
-PicturePointer picture_from_file(const std::string& path) {
+/// The picture in a file: red, green and blue as linear light; and a warning, or "".
+std::pair<PicturePointer, std::string> picture_from_file(const std::string& path) {
   return run_abandonably([path](StopFlag) {
     const FloatImage image = read_image(path);
-    return picture_of_light(image.width, image.height, linear_light(image).data());
+    return std::pair(picture_of_light(image.width, image.height, linear_light(image).data()),
+                     image.part_note);
   });
 }
 

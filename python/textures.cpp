@@ -35,17 +35,19 @@ SampleEncoding encoding_of(const std::string& name) {
 /// The picture in a file, whose uint8 are as the file has them and whose floats are light, whether
 /// its colours are multiplied by alpha, and what to warn of. `encoding`: as ImageTexture has it;
 /// empty: none.
-std::tuple<Array, bool, std::string> read_texture(const std::string& path,
-                                                  const std::string& encoding) {
-  const auto [decoded, warning] =
+std::tuple<Array, bool, std::vector<std::string>> read_texture(const std::string& path,
+                                                               const std::string& encoding) {
+  auto [decoded, warnings] =
       run_abandonably([path, encoding = encoding_of(encoding)](const std::atomic<bool>&) {
         DecodedTexture read = decode_texture(path, false);
-        std::string told = mend_numbers(read);
+        std::vector<std::string> told = notes_on(read, encoding);
+        if (std::string mended = mend_numbers(read); !mended.empty())
+          told.push_back(std::move(mended));
         decode_picture(read, encoding);
         return std::pair(std::move(read), std::move(told));
       });
-  return {array_of(decoded), decoded.meaning.is_associated,
-          warning.empty() ? "" : path + ": " + warning};
+  for (std::string& warning : warnings) warning.insert(0, path + ": ");
+  return {array_of(decoded), decoded.meaning.is_associated, std::move(warnings)};
 }
 
 /// Texels (h, w) or (h, w, c).

@@ -274,6 +274,7 @@ Message source(const Fields& fields, Source::What what) {
   fields.get_whole("number", message.number, 0, kMostVersion);
   if (const Json* camera = fields.find("camera"); camera && camera->is_object())
     message.camera = free_camera(Fields(*camera));
+  fields.get("aspect", message.aspect);
   if (const Json* placement = fields.find("placement"))
     message.placement = placement_of(*placement);
   if (fields.find("position")) fields.get("position", message.position.emplace());

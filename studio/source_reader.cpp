@@ -54,7 +54,8 @@ edit::Change write_camera(const edit::Outline& outline, const page::Source& requ
                         .up = camera.up,
                         .field_of_view = {},
                         .axis = camera.axis,
-                        .orthographic = camera.orthographic};
+                        .orthographic = camera.orthographic,
+                        .aspect = request.aspect};
   if (!camera.orthographic) pose.field_of_view = camera.fov;
   return edit::write_camera(outline, request.text, pose);
 }

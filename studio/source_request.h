@@ -40,6 +40,7 @@ struct Source {
   uint64_t base = 0;
   std::string entity{}, field{}, text{}, kind{};
   std::optional<FreeCamera> camera{};
+  double aspect = 0;  ///< of the picture that it sees, width over height; 0: unknown
   std::optional<edit::Placement> placement{};
   std::optional<std::array<double, 3>> position{};  ///< of what is added
   std::vector<std::pair<std::string, std::string>> options{};

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 
 #include "base/error.h"
 #include "base/lower_case.h"
@@ -12,9 +14,11 @@ namespace tessera {
 std::string host_of(const std::string& authority) {
   const size_t end = authority.starts_with('[') ? authority.find(']') + 1 : authority.find(':');
   const std::string host = authority.substr(0, end), port = authority.substr(host.size());
-  const bool has_digits =
-      port.size() > 1 && port.find_first_not_of("0123456789", 1) == std::string::npos;
-  return port.empty() || (port.front() == ':' && has_digits) ? host : std::string();
+  if (port.empty()) return host;
+  uint16_t number = 0;
+  const char* const port_end = port.data() + port.size();
+  const auto [stop, problem] = std::from_chars(port.data() + 1, port_end, number);
+  return port.front() == ':' && problem == std::errc() && stop == port_end ? host : std::string();
 }
 
 bool names_this_machine(const std::string& host) {

@@ -160,13 +160,16 @@ std::string Job::hold_cause() const {
   if (holds_.empty()) return "";
   const auto& [frame, hold] = *holds_.begin();
   if (frame_count() == 1) return hold.cause;
-  const int32_t number = request().animation() ? request().frames(static_cast<int>(frame)).number()
-                                               : static_cast<int32_t>(frame) + 1;
   const std::string others =
       holds_.size() > 1
           ? fmt::format(" (and {} are held)", counted(holds_.size() - 1, "other frame"))
           : "";
-  return fmt::format("frame {}: {}{}", number, hold.cause, others);
+  return fmt::format("frame {}: {}{}", number_of(frame), hold.cause, others);
+}
+
+int32_t Job::number_of(uint32_t frame) const {
+  return request().animation() ? request().frames(static_cast<int>(frame)).number()
+                               : static_cast<int32_t>(frame) + 1;
 }
 
 void Job::note_worker(WorkerId worker) {

@@ -38,6 +38,9 @@ class Job {
   const std::shared_ptr<TileStore>& local_tiles() const { return local_tiles_; }
 
   uint32_t frame_count() const { return static_cast<uint32_t>(ends_.size()); }
+  /// The number by which users know a frame: its own in the animation, as --frames has it, else its
+  /// position from 1.
+  int32_t number_of(uint32_t frame) const;
   const std::optional<v1::JobEnd>& end_of(uint32_t frame) const { return ends_[frame]; }
   /// Those whose pictures are whole.
   uint32_t frames_done() const { return frames_done_; }

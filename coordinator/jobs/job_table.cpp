@@ -195,6 +195,12 @@ std::optional<PreviewImage> JobTable::preview(uint64_t id, uint32_t frame, int m
   }
 }
 
+int32_t JobTable::number_of(uint64_t job, uint32_t frame) const {
+  const auto found = jobs_.find(job);
+  const bool is_known = found != jobs_.end() && frame < found->second->frame_count();
+  return is_known ? found->second->number_of(frame) : static_cast<int32_t>(frame) + 1;
+}
+
 std::shared_ptr<const FrameTrace> JobTable::trace(uint64_t job, uint32_t frame) const {
   if (const ActiveFrame* active = running(job, frame)) {
     return std::make_shared<const FrameTrace>(active->trace());

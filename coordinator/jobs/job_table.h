@@ -78,6 +78,9 @@ class JobTable {
   std::optional<FilmView> film(uint64_t job, uint32_t frame);
   /// Nothing where there is no such frame, or nothing of it yet.
   std::optional<PreviewImage> preview(uint64_t job, uint32_t frame, int most_side);
+  /// The number by which users know the frame, as Job has it; its position from 1 of an unknown
+  /// job.
+  int32_t number_of(uint64_t job, uint32_t frame) const;
   /// Of a frame that is being traced, or of the last ones that were; else null.
   std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
 

@@ -22,7 +22,7 @@ constexpr size_t kKeptTraces = 16;
 
 void log_end(const Job& job, uint32_t frame, const v1::JobEnd& end) {
   const std::string of_it =
-      job.frame_count() > 1 ? fmt::format(" frame {} of {}", frame + 1, job.frame_count()) : "";
+      job.frame_count() > 1 ? fmt::format(" frame {}", job.number_of(frame)) : "";
   const std::string what = fmt::format("job {}{}", job.id(), of_it);
   switch (end.how()) {
     case v1::JobEnd::FAILED:
@@ -308,7 +308,8 @@ void JobTable::begin(Job& job, uint32_t frame, Time now, Changes& changes) {
 void JobTable::hold(Job& job, uint32_t frame, Job::Hold hold) {
   const auto before = job.holds().find(frame);
   if (before == job.holds().end() || before->second.cause != hold.cause) {
-    const std::string of_it = job.frame_count() > 1 ? fmt::format("frame {} of ", frame + 1) : "";
+    const std::string of_it =
+        job.frame_count() > 1 ? fmt::format("frame {} of ", job.number_of(frame)) : "";
     spdlog::warn("{}job {} is held: {}", of_it, job.id(), printable(hold.cause));
   }
   job.hold(frame, std::move(hold));
@@ -355,7 +356,7 @@ void JobTable::change_key(Job& job, uint32_t frame, const Digest& key) {
   const auto& keys = job.kept().tile_keys();
   if (std::count(keys.begin(), keys.end(), before) > 0 || shares_key(job, before)) return;
   spdlog::info("job {}: frame {} is computed otherwise by this program: it begins anew", job.id(),
-               frame + 1);
+               job.number_of(frame));
   store_->drop_all(Digest::from_hex(before));
 }
 
@@ -412,7 +413,7 @@ void JobTable::redo_distrusted() {
         if (!end || end->how() != v1::JobEnd::DONE) continue;
         spdlog::warn(
             "job {}: tiles of frame {} were traced by the key of {}: they are traced again", id,
-            frame + 1, keys_->name_of(distrusted_.back()));
+            job->number_of(frame), keys_->name_of(distrusted_.back()));
         reopen(*job, frame);
       }
     }
@@ -527,7 +528,8 @@ void JobTable::reopen(const Digest& film, FilmShelf::State state) {
     for (uint32_t frame = 0; frame < job->frame_count(); ++frame) {
       const auto& end = job->end_of(frame);
       if (!end || end->how() != v1::JobEnd::DONE || end->film_digest() != film.hex()) continue;
-      spdlog::warn("job {}: tiles of frame {} are {}: they are traced again", id, frame + 1,
+      spdlog::warn("job {}: tiles of frame {} are {}: they are traced again", id,
+                   job->number_of(frame),
                    changed ? "not those of its picture any more" : "damaged in the store, or gone");
       std::erase_if(unsaved_, [&](const auto& unsaved) {
         return unsaved.first == id && unsaved.second.frame() == frame;

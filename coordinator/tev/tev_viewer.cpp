@@ -54,7 +54,8 @@ void TevViewer::show_running(Coordinator& coordinator, Time now) {
     Shown& shown = frames_[key];
     const auto tiles = coordinator.tiles(key.first, key.second, now);
     if (shown.tiles.empty()) {
-      shown.name = fmt::format("job {} frame {}", key.first, key.second + 1);
+      shown.name =
+          fmt::format("job {} frame {}", key.first, coordinator.number_of(key.first, key.second));
       for (const TileSnapshot& tile : tiles) shown.tiles.push_back(tile.rect);
       shown.sent.resize(tiles.size());
       shown.done.resize(tiles.size());

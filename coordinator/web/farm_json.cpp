@@ -175,6 +175,7 @@ std::string tiles_json(uint64_t job, uint32_t frame, const FrameShown& shown) {
   return text_of(
       {{"job", job},
        {"frame", frame},
+       {"number", shown.number},
        {"states", {"pending", "assigned", "done", "given_up"}},
        {"columns", {"x0", "y0", "x1", "y1", "state", "worker", "seconds", "copies", "pictured"}},
        {"workers", std::move(names)},

@@ -220,6 +220,7 @@ void FarmMonitor::show_tiles(Coordinator& coordinator, Time now) {
     if (now < watched.next_tiles) continue;
     const Time start = thread_time();
     auto shown = std::make_shared<FrameShown>();
+    shown->number = coordinator.number_of(key.first, key.second);
     shown->tiles = coordinator.tiles(key.first, key.second, now);
     shown->preview = watched.shown->preview;
     shown->pictured = watched.shown->pictured;

@@ -33,6 +33,7 @@ struct FarmShown {
 
 /// One frame as it was last seen; never changes.
 struct FrameShown {
+  int32_t number = 0;                           ///< by which users know it
   std::vector<TileSnapshot> tiles;              ///< none where it is not being traced
   std::shared_ptr<const PreviewImage> preview;  ///< null: nothing yet
   /// By tile, whether it was done when the preview was made; null as that is.

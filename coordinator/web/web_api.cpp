@@ -322,10 +322,10 @@ HttpResponse WebApi::preview(uint64_t job, uint32_t frame, const FrameShown& sho
 
 void WebApi::show_trace(uint64_t job, uint32_t frame, const HttpReply& reply) {
   const auto question = [job, frame, reply](Coordinator& coordinator, Time) {
-    reply([job, frame, trace = coordinator.trace(job, frame)] {
+    reply([job, number = coordinator.number_of(job, frame), trace = coordinator.trace(job, frame)] {
       if (!trace) return http_error(404, "of that frame there is no timeline, or no more");
       return json(std::make_shared<const std::string>(
-          chrome_trace(*trace, fmt::format("job {} frame {}", job, frame))));
+          chrome_trace(*trace, fmt::format("job {} frame {}", job, number))));
     });
   };
   ask(question, reply);

@@ -29,6 +29,7 @@
 #include "image/channel/image_channel.h"
 #include "image/plain/image_answer.h"
 #include "image/plain/plain_formats.h"
+#include "image/plain/png_format.h"
 #include "image/sandbox/sandbox.h"
 
 namespace tessera {
@@ -86,9 +87,16 @@ std::optional<ImageAnswer> answer_plainly_to(const ImageRequest& request, const 
 }
 
 ImageAnswer answer_to(const ImageRequest& request, Payload payload) {
-  if (auto plain = answer_plainly_to(request, payload)) return *std::move(plain);
+  float gamma = 0;
+  if (request.decodes() && std::string_view(request.format) == "png")
+    gamma = png_gamma(MappedFile(payload.memory.get(), request.payload_bytes).bytes());
   ImageAnswer answer;
-  oiio_module()(request, std::move(payload.bytes), payload.memory.get(), answer);
+  if (auto plain = answer_plainly_to(request, payload)) {
+    answer = *std::move(plain);
+  } else {
+    oiio_module()(request, std::move(payload.bytes), payload.memory.get(), answer);
+  }
+  answer.gamma = gamma;
   return answer;
 }
 
@@ -160,6 +168,8 @@ class Server {
     ImageReply made = reply(true, answer.layout, payload_bytes);
     made.from_integers = answer.meaning.from_integers;
     made.is_associated = answer.meaning.is_associated;
+    made.gamma = answer.gamma;
+    answer.part.copy(made.part, sizeof made.part - 1);
     return made;
   }
 

@@ -296,8 +296,26 @@ ImageAnswer read_channels(OIIO::ImageInput& input, const std::string& format, Ex
   return answer;
 }
 
+constexpr int kMostParts = 64;  ///< of OpenEXR that are looked at
+
+std::string name_of_part(const OIIO::ImageInput& input) {
+  return input.spec().get_string_attribute("oiio:subimagename",
+                                           std::to_string(input.current_subimage()));
+}
+
+/// Selects the first part of OpenEXR that has colours, as where a depth map comes first, and
+/// returns its name; nothing where that is the first part, or none has.
+std::string select_part(const std::string& format, OIIO::ImageInput& input) {
+  if (format != "openexr" || name_colors(channel_names(format, input.spec()))) return "";
+  for (int part = 1; part < kMostParts && input.seek_subimage(part, 0); ++part)
+    if (name_colors(channel_names(format, input.spec()))) return name_of_part(input);
+  input.seek_subimage(0, 0);
+  return "";
+}
+
 ImageAnswer decode_all(const std::string& format, int file) {
   const auto input = open(format, file);
+  std::string part = select_part(format, *input);
   const OIIO::ImageSpec& spec = input->spec();
   const std::vector<std::string> names = channel_names(format, spec);
   Order order;
@@ -305,24 +323,23 @@ ImageAnswer decode_all(const std::string& format, int file) {
   ImageAnswer answer = read_channels(*input, format, Extent::crop, order, type_of(spec, order));
   answer.names = joined(names);
   answer.meaning = meaning_of(format, spec, color_channels_of(names));
+  answer.part = std::move(part);
   return answer;
 }
 
-/// The channels of the parts of OpenEXR after the first, each as PART.CHANNEL. Leaves the first one
-/// selected.
+/// The channels of the other parts of OpenEXR, each as PART.CHANNEL. Leaves this one selected.
 std::vector<std::string> channels_of_other_parts(const std::string& format,
                                                  OIIO::ImageInput& input) {
-  constexpr int kMostParts = 64;
   std::vector<std::string> names;
   if (format != "openexr") return names;
-  for (int part = 1; part < kMostParts && input.seek_subimage(part, 0); ++part) {
-    const OIIO::ImageSpec& spec = input.spec();
-    const std::string name = spec.get_string_attribute("oiio:subimagename", std::to_string(part));
-    for (const std::string& channel : channel_names(format, spec)) {
-      names.push_back(name + "." + channel);
+  const int selected = input.current_subimage();
+  for (int part = 0; part < kMostParts && input.seek_subimage(part, 0); ++part) {
+    if (part == selected) continue;
+    for (const std::string& channel : channel_names(format, input.spec())) {
+      names.push_back(name_of_part(input) + "." + channel);
     }
   }
-  input.seek_subimage(0, 0);
+  input.seek_subimage(selected, 0);
   return names;
 }
 
@@ -355,8 +372,10 @@ ImageAnswer read_colors(OIIO::ImageInput& input, const std::string& format) {
 
 ImageAnswer decode(const std::string& format, int file, bool to_srgb) {
   const auto input = open(format, file);
+  std::string part = select_part(format, *input);
   const OIIO::ImageSpec& spec = input->spec();
   ImageAnswer answer = read_colors(*input, format);
+  answer.part = std::move(part);
   const int channels = answer.layout.channels;
   const bool has_colors = answer.layout.bits == 8 && channels >= 3;
   const OIIO::ParamValue* const profile =

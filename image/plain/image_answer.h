@@ -20,6 +20,8 @@ struct ImageAnswer {
   std::optional<SealedMemory> shared{};  ///< in place of the payload
   SampleMeaning meaning{};               ///< of what was decoded
   std::string names{};                   ///< of channels, each ended by a zero
+  std::string part{};                    ///< of OpenEXR, where it is not the first
+  float gamma = 0;                       ///< as ImageReply has it
 
   /// Where the pixels of `layout` go. Large ones are shared: each such picture costs whoever asked
   /// a descriptor, a smaller one a copy.

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 #include "image/plain/for_all.h"
 #include "image/plain/icc_profile.h"
@@ -211,6 +213,27 @@ std::optional<ImageAnswer> decode_png(std::span<const char> file, bool to_srgb) 
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
+}
+
+float png_gamma(std::span<const char> file) {
+  constexpr size_t kSignature = 8, kAround = 12;  // length, type and checksum of a chunk
+  constexpr double kUnit = 1e-5, kOfSrgb = 1 / 2.2, kAlike = .05;
+  const auto number = [&](size_t at) {
+    uint32_t value = 0;
+    for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(file[at + i]);
+    return value;
+  };
+  double gamma = 0;
+  for (size_t at = kSignature; at + kAround <= file.size();) {
+    const size_t size = number(at);
+    if (size > file.size() - at - kAround) break;
+    const std::string_view type(&file[at + 4], 4);
+    if (type == "IDAT" || type == "PLTE") break;
+    if (type == "sRGB" || type == "iCCP") return 0;
+    if (type == "gAMA" && size == 4) gamma = number(at + 8) * kUnit;
+    at += kAround + size;
+  }
+  return std::abs(gamma - kOfSrgb) <= kAlike * kOfSrgb ? 0 : static_cast<float>(gamma);
 }
 
 std::optional<ImageAnswer> encode_png(const ImageRequest& request, std::span<const char> pixels) {

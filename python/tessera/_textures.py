@@ -49,8 +49,8 @@ class ImageTexture(_messages.ImageTexture):
             self.file = plain_text("picture", picture)
             if not os.path.exists(self.file):
                 raise MissingFile.of(self.file, "a picture")
-            texels, is_associated, warning = _core.read_texture(self.file, encoding or "")
-            if warning:
+            texels, is_associated, told = _core.read_texture(self.file, encoding or "")
+            for warning in told:
                 warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
             if is_associated:
                 self.associated_alpha = True

@@ -299,15 +299,19 @@ def _light_of(array: ArrayLike, linear: Optional[bool]) -> Floats:
 
 def read_image(path: Path) -> Image:
     """The picture in a file as linear light: whole numbers are taken for sRGB, as most files hold;
-    floats are light. Where there is alpha it is what the picture shows before black. Of EXR the
-    pixels in the display window are read, those of the crop if it was one.
+    floats are light, and those that are infinite or no number stay. Where there is alpha it is what the
+    picture shows before black. Of EXR the pixels in the display window are read, those of the crop if it
+    was one, of the first part that has colours.
 
     Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and
     SceneError for a file that holds no picture."""
     name = file_name(path)
     if not os.path.exists(name):
         raise MissingFile.of(os.fsdecode(name), "a picture")
-    return Image._of(_core.picture_from_file(name))
+    picture, told = _core.picture_from_file(name)
+    if told:
+        warnings.warn(f"{os.fsdecode(name)}: {told}", SceneWarning, stacklevel=level_of_caller())
+    return Image._of(picture)
 
 
 def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:

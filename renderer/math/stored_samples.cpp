@@ -162,6 +162,12 @@ ColorChannels color_channels_of(std::span<const std::string> names) {
   return out;
 }
 
+bool name_colors(std::span<const std::string> names) {
+  const std::vector<Layer> layers = layers_of(names);
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const Layer& layer) { return layer.has_color(); });
+}
+
 void samples_to_floats(std::span<const std::byte> samples, uint32_t bits, std::span<float> floats) {
   if (bits == 32) {
     std::memcpy(floats.data(), samples.data(), floats.size_bytes());

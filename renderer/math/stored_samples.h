@@ -37,6 +37,9 @@ struct ColorChannels {
 /// green, blue, alpha, grey, gray, I. `names` must not be empty.
 ColorChannels color_channels_of(std::span<const std::string> names);
 
+/// Whether any of the names is known as that of a colour.
+bool name_colors(std::span<const std::string> names);
+
 /// Makes floats of numbers of 8 bits, which are divided by 255, of half floats (16 bits) or of
 /// floats (32 bits). `samples` has as many as `floats`.
 void samples_to_floats(std::span<const std::byte> samples, uint32_t bits, std::span<float> floats);

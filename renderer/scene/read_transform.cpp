@@ -89,12 +89,11 @@ Affine mix_rotations(const Where& where, const v1::AxisAngle& a, const v1::AxisA
   return mix_turns(turned(axis_a, angle_a), turned(axis_b, angle_b), s);
 }
 
-/// Eye, target and the direction of up are mixed; between an up and its opposite it turns about the
-/// view.
-v1::LookAt mix_views(const v1::LookAt& a, const v1::LookAt& b, double s) {
+/// Of two views of one target, which stays in sight: the eye and the direction of up are mixed;
+/// between an up and its opposite it turns about the view.
+v1::LookAt mix_eyes(const v1::LookAt& a, const v1::LookAt& b, double s) {
   v1::LookAt mixed = a;
   mix(*mixed.mutable_eye(), b.eye(), s);
-  mix(*mixed.mutable_target(), b.target(), s);
   if (!a.has_up() && !b.has_up()) return mixed;
   const auto up_of = [](const v1::LookAt& look) {
     const Vec3 up =
@@ -118,6 +117,10 @@ v1::LookAt mix_views(const v1::LookAt& a, const v1::LookAt& b, double s) {
   return mixed;
 }
 
+bool is_same(const v1::Vec3& a, const v1::Vec3& b) {
+  return a.x() == b.x() && a.y() == b.y() && a.z() == b.z();
+}
+
 Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
   if (a.kind_case() == Step::kRotate) return mix_rotations(where, a.rotate(), b.rotate(), s);
   read_step(where, b);  // only for its checks
@@ -130,8 +133,11 @@ Affine mix_steps(const Where& where, const Step& a, const Step& b, double s) {
       mix(*mixed.mutable_scale(), b.scale(), s);
       break;
     case Step::kLookAt:
+      // From one target to another the view turns as a matrix does, however far.
+      if (!is_same(a.look_at().target(), b.look_at().target()))
+        return mix_matrices(read_step(where, a), read_step(where, b), s);
       read_step(where, a);
-      *mixed.mutable_look_at() = mix_views(a.look_at(), b.look_at(), s);
+      *mixed.mutable_look_at() = mix_eyes(a.look_at(), b.look_at(), s);
       break;
     case Step::kMatrix:
       return mix_matrices(read_step(where, a), read_step(where, b), s);
@@ -147,8 +153,7 @@ Affine checked_product(const Where& where, const Affine& product) {
   return product;
 }
 
-Affine mix_keys(const Where& where, const v1::TransformKey& a, const v1::TransformKey& b,
-                double time) {
+void check_alike(const Where& where, const v1::TransformKey& a, const v1::TransformKey& b) {
   const int count = a.transform().steps_size();
   bool alike = count == b.transform().steps_size();
   for (int i = 0; alike && i < count; ++i) {
@@ -159,9 +164,13 @@ Affine mix_keys(const Where& where, const v1::TransformKey& a, const v1::Transfo
                fmt::format("of different steps at {} s and {} s", a.time(), b.time()),
                "the same kinds of steps in every key");
   }
+}
+
+Affine mix_keys(const Where& where, const v1::TransformKey& a, const v1::TransformKey& b,
+                double time) {
   const double s = (time - a.time()) / (b.time() - a.time());
   Affine product;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < a.transform().steps_size(); ++i) {
     product = product * mix_steps(where, a.transform().steps(i), b.transform().steps(i), s);
   }
   return checked_product(where, product);
@@ -184,6 +193,9 @@ Affine read_transform(const Where& where, const v1::Transform& transform, const 
       fail_value(where, "keys.time", fmt::format("{} after {}", keys[i].time(), keys[i - 1].time()),
                  "increasing times");
     }
+    // At whatever time: what is wrong with a later frame is told before the first one.
+    if (i > 0) check_alike(where, keys[i - 1], keys[i]);
+    read_transform(where, keys[i].transform());
   }
   if (time <= keys[0].time()) return read_transform(where, keys[0].transform());
   for (int i = 1; i < keys.size(); ++i) {

@@ -79,6 +79,28 @@ CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there,
   return numbers;
 }
 
+Affine seen_from(const Affine& frame) {
+  const Point3 eye = frame(Point3{});
+  return look_at(eye, eye - frame(Vec3{0, 0, 1}), frame(Vec3{0, 1, 0}));
+}
+
+std::optional<std::string> written_eye(const CameraPose& pose, const Affine& to_world,
+                                       const Triple& there) {
+  const Point3 eye = Point3{} + to_vec(pose.eye);
+  const double reach = length(to_vec(pose.target) - to_vec(pose.eye));
+  const double most = kSameFrame * std::max(1.0, reach);
+  const Point3 local = inverse(to_world)(eye);
+  double tolerance =
+      kSameFrame * std::min(1.0, reach) / std::cbrt(std::abs(to_world.determinant()));
+  Triple made;
+  std::string text;
+  for (int i = 0; i < 12; ++i, tolerance /= 8) {
+    made = shortened({local.x, local.y, local.z}, there, tolerance, text);
+    if (length(to_world(Point3{} + to_vec(made)) - eye) <= most) break;
+  }
+  return made == there ? std::nullopt : std::optional(text);
+}
+
 std::optional<int> find_camera(const Outline& outline, std::string_view name,
                                std::string (*name_of)(const Entity&)) {
   std::vector<int> cameras;

@@ -37,6 +37,14 @@ Triple shortened(const Triple& wanted, const Triple& there, double tolerance, st
 /// camera say it.
 CameraNumbers camera_numbers(const CameraPose& pose, const WrittenCamera& there, bool has_up);
 
+/// The frame, with axes at right angles, in which a camera at `frame` sees.
+Affine seen_from(const Affine& frame);
+
+/// The eye in the axes that `to_world` leads from, which can be inverted, in the shortest numbers
+/// with which it stays where it is in the world; nothing where those in the text will do.
+std::optional<std::string> written_eye(const CameraPose& pose, const Affine& to_world,
+                                       const Triple& there);
+
 /// Why no camera is made of the pose.
 std::optional<Refusal> check_pose(const CameraPose& pose);
 

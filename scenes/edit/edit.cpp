@@ -127,6 +127,7 @@ Change write_camera(const Outline& outline, std::string_view name, const CameraP
   }
   if (is_message(outline.language())) return write_message_camera(outline, name, pose);
   if (outline.language() == Language::crt) return write_crt_camera(outline, name, pose);
+  if (outline.language() == Language::gltf) return write_gltf_camera(outline, name, pose);
   if (is_x3d(outline.language())) return write_xml_camera(outline, name, pose);
   if (is_statements(outline.language()))
     return refuse("a model, which has no cameras", "a scene that places it");

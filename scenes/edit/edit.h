@@ -72,6 +72,7 @@ struct CameraPose {
   std::optional<double> field_of_view;  ///< a panorama keeps its own
   std::string axis;                     ///< smaller, vertical, horizontal, larger; empty: as it is
   std::optional<double> orthographic;   ///< the height of the window in place of an angle
+  double aspect = 0;  ///< of the picture, width over height, which says what is smaller; 0: unknown
 };
 
 /// Gives the camera called `name`, or without a name the first one, this pose, in the shortest

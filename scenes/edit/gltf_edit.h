@@ -13,5 +13,7 @@ std::vector<Entity> gltf_entities(std::string_view text, const SyntaxTree& tree)
 /// Sets a scalar that is there; accessors and buffers are shown and not set.
 Change set_gltf_field(const Outline& outline, int entity, std::string_view field,
                       std::string_view value);
+/// Its node may hold nothing else, which would move with it.
+Change write_gltf_camera(const Outline& outline, std::string_view name, const CameraPose& pose);
 
 }  // namespace tessera::edit

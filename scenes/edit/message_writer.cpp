@@ -28,7 +28,9 @@ int32_t sibling_before(const SyntaxTree& tree, int32_t parent, const Type& field
 }  // namespace
 
 MessageWriter::MessageWriter(const Outline& outline)
-    : text_(outline.text()), tree_(outline.tree()), is_json_(outline.language() == Language::json) {
+    : text_(outline.text()),
+      tree_(outline.tree()),
+      is_json_(outline.language() == Language::json || outline.language() == Language::gltf) {
   if (!is_json_) return;
   for (int32_t i = 1; i < tree_.size(); ++i) {
     const SyntaxNode& node = tree_[i];
@@ -80,8 +82,7 @@ std::string MessageWriter::render(const Draft& draft) const {
   const std::string value = render_value(draft);
   if (is_json_) {
     const std::string& name = draft.field->json_name();
-    return draft.field->is_repeated() ? fmt::format("\"{}\"{}[{}]", name, colon_, value)
-                                      : fmt::format("\"{}\"{}{}", name, colon_, value);
+    return json_member(name, draft.field->is_repeated() ? json_list({value}) : value);
   }
   return fmt::format("{}{}{}", draft.field->name(), draft.field->message_type() ? " " : ": ",
                      value);
@@ -215,6 +216,26 @@ std::vector<TextEdit> MessageWriter::insert(int32_t parent,
 
 TextEdit MessageWriter::insert_behind(int32_t node, std::string_view copy) const {
   return behind(node, copy);
+}
+
+TextEdit MessageWriter::append(int32_t parent, std::string_view item) const {
+  const int32_t last = tree_[parent].last_child;
+  return last >= 0 ? behind(last, item) : insert_into_empty(parent, std::string(item));
+}
+
+std::string MessageWriter::json_member(std::string_view name, std::string_view value) const {
+  return fmt::format("\"{}\"{}{}", name, colon_, value);
+}
+
+std::string MessageWriter::json_list(const std::vector<std::string>& items) const {
+  return fmt::format("[{}]", fmt::join(items, comma_));
+}
+
+std::string MessageWriter::json_block(
+    const std::vector<std::pair<std::string_view, std::string>>& members) const {
+  std::vector<std::string> items;
+  for (const auto& [name, value] : members) items.push_back(json_member(name, value));
+  return fmt::format("{{{}}}", fmt::join(items, comma_));
 }
 
 TextEdit MessageWriter::remove_from_list(int32_t i) const {

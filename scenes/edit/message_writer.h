@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scenes/edit/edit.h"
@@ -19,7 +20,7 @@ struct Draft {
 };
 
 /// Writes fields into a text of a scene's message, in the style of what stands there: .tessera and
-/// .json.
+/// .json. What is not of that message is of glTF, too.
 class MessageWriter {
  public:
   explicit MessageWriter(const Outline& outline);
@@ -34,6 +35,13 @@ class MessageWriter {
   /// Inserts `copy` behind the node, which may be there several times.
   TextEdit insert_behind(int32_t node, std::string_view copy) const;
   TextEdit remove(int32_t node) const;
+
+  // Of any JSON: an item or member at the end of the list or block, and such texts.
+  TextEdit append(int32_t parent, std::string_view item) const;
+  std::string json_member(std::string_view name, std::string_view value) const;
+  std::string json_list(const std::vector<std::string>& items) const;
+  std::string json_block(
+      const std::vector<std::pair<std::string_view, std::string>>& members) const;
 
  private:
   std::string render(const Draft& draft) const;

@@ -74,35 +74,11 @@ CameraAxes axes_around(const Outline& outline, const Entity& camera, const X3dUn
   return axes;
 }
 
-/// The frame, with axes at right angles, in which a camera at `frame` sees.
-Affine seen_from(const Affine& frame) {
-  const Point3 eye = frame(Point3{});
-  return look_at(eye, eye - frame(Vec3{0, 0, 1}), frame(Vec3{0, 1, 0}));
-}
-
 /// The window of an OrthoViewpoint, as the view has it, in units of `unit` metres.
 std::string window_of(double height, double unit) {
   constexpr double kShare = 1e-6;
   const std::string half = shortest_number(height / unit / 2, height / unit * kShare);
   return fmt::format("-{0} -{0} {0} {0}", half);
-}
-
-/// The eye in the camera's own axes, in the shortest numbers with which it stays where it is in the
-/// world; nothing where those in the text will do.
-std::optional<std::string> written_eye(const CameraPose& pose, const Affine& to_world,
-                                       const Triple& there) {
-  const Point3 eye = Point3{} + to_vec(pose.eye);
-  const double reach = length(to_vec(pose.target) - to_vec(pose.eye));
-  const double most = kSameFrame * std::max(1.0, reach);
-  const Point3 local = inverse(to_world)(eye);
-  double tolerance = kSameFrame * std::min(1.0, reach) / std::cbrt(to_world.determinant());
-  Triple made;
-  std::string text;
-  for (int i = 0; i < 12; ++i, tolerance /= 8) {
-    made = shortened({local.x, local.y, local.z}, there, tolerance, text);
-    if (length(to_world(Point3{} + to_vec(made)) - eye) <= most) break;
-  }
-  return made == there ? std::nullopt : std::optional(text);
 }
 
 }  // namespace

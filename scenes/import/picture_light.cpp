@@ -53,6 +53,16 @@ void set_integer_encoding(v1::Texture::Image::Encoding encoding, v1::Texture::Im
   if (encoding != v1::Texture::Image::ENCODING_SRGB) image.set_encoding(encoding);
 }
 
+std::vector<std::string> notes_on(const DecodedTexture& picture, SampleEncoding encoding) {
+  std::vector<std::string> notes;
+  if (!picture.part_note.empty()) notes.push_back(picture.part_note);
+  if (picture.gamma > 0 && encoding != SampleEncoding::linear)
+    notes.push_back(fmt::format(
+        "its codes have gamma {:.5g} (gAMA) by what the file says; they are read as those of sRGB",
+        picture.gamma));
+  return notes;
+}
+
 void decode_picture(DecodedTexture& picture, SampleEncoding encoding) {
   SampleMeaning meaning = picture.meaning;
   meaning.from_integers |= picture.bits == 8;

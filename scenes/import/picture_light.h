@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scenes/import/loaded_scene.h"
 
@@ -13,6 +14,10 @@ SampleEncoding sample_encoding(const v1::Texture::Image& image);
 /// Says that integers are encoded so, as an importer does whose format means its pictures so. Says
 /// nothing of floats, which are light.
 void set_integer_encoding(v1::Texture::Image::Encoding encoding, v1::Texture::Image& image);
+
+/// What to warn of where a picture is read otherwise than its file has it: another part than the
+/// first, or codes of another gamma than sRGB's, which is not followed.
+std::vector<std::string> notes_on(const DecodedTexture& picture, SampleEncoding encoding);
 
 /// Makes linear floats of a picture that the renderer could not decode: of codes of more than 8
 /// bits, and of integers with associated alpha. Codes of 8 bits stay as they are.

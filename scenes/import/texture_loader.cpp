@@ -44,7 +44,7 @@ struct StoredTexture {
   v1::Texture::Image image;
   BlobStore blobs;
   std::vector<std::string> unused_channels;
-  std::string warning;  ///< empty: none
+  std::vector<std::string> warnings;
 };
 
 /// What is told of the channels of a file that no texture shows.
@@ -109,7 +109,9 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
         const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
         StoredTexture stored;
         stored.unused_channels = decoded.unused_channels;
-        stored.warning = mend_numbers(decoded);
+        stored.warnings = notes_on(decoded, sample_encoding(image));
+        if (std::string mended = mend_numbers(decoded); !mended.empty())
+          stored.warnings.push_back(std::move(mended));
         decode_picture(decoded, sample_encoding(image));
         if (kept) keep_channel(decoded, *kept, is_srgb);
         stored.image = store(std::move(decoded), image, stored.blobs);
@@ -125,7 +127,8 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
       for (const auto& [digest, blob] : stored->blobs.all()) loaded.blobs.put(digest, blob);
       at->second = stored->image;
       if (told.insert(file).second) {
-        if (!stored->warning.empty()) add_warning(loaded, file.string(), stored->warning);
+        for (const std::string& warning : stored->warnings)
+          add_warning(loaded, file.string(), warning);
         if (!stored->unused_channels.empty()) {
           loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));
         }

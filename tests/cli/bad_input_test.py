@@ -10,6 +10,7 @@ import struct
 import unittest
 
 import scenes
+import stored_pictures
 from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, heed_permissions
 
 
@@ -176,6 +177,14 @@ class BadCommandLine(TesseraTest):
                 self.refused("serve", f"--bind={endpoint}", says=[endpoint or "ENDPOINT"])
                 self.refused("worker", f"--connect={endpoint}", says=[endpoint or "ENDPOINT"])
 
+    def test_an_option_in_place_of_a_value(self):
+        self.refused("serve", "--store", "--http", "127.0.0.1:0", says=["--store: '--http'", "expected DIR"])
+        self.refused("render", self.scene, "-o", "--size", "16x16", says=["-o: '--size'", "expected"])
+
+    def test_the_port_of_an_origin(self):
+        self.refused("serve", "--http", "127.0.0.1:0", "--http-origin", "https://127.0.0.1:99999/",
+                     says=["--http-origin: 'https://127.0.0.1:99999/'"])
+
     def test_only_loopback_without_keys(self):
         self.refused("serve", "--bind", "tcp://0.0.0.0:*", says=["0.0.0.0"])
 
@@ -232,6 +241,20 @@ class BadScenes(TesseraTest):
         rubbish = bytes((i * 197 + i // 7) % 256 for i in range(5000))
         for ending in ["tessera", "tesserab", "json", "obj", "x3d"]:
             self.refused(f"rubbish.{ending}", rubbish)
+
+    def test_a_key_that_a_later_frame_needs_is_located(self):
+        self.refused("scene.tessera", "nodes {\n  shape { sphere { } }\n"
+                     "  keys { time: 0 transform { steps { translate { } } } }\n"
+                     "  keys { time: 9 transform { steps { scale { x: 1 y: 1 z: 1 } } } }\n}\n",
+                     "scene.tessera:3:3: ", "the same kinds of steps")
+
+    def test_a_picture_is_called_by_its_name(self):
+        data = stored_pictures.exr({"R": 1, "G": 1, "B": 1})
+        for name, cut in (("short.exr", data[:-5]), ("head.exr", b"\x76\x2f\x31\x01no picture at all")):
+            path = self.write(name, cut)
+            result = self.run_program("compare", path, path)
+            self.assert_error(result, 2, name)
+            self.assertNotIn("/proc", result.err)
 
     def test_not_finite(self):
         self.refused("scene.tessera", "nodes { shape { sphere { radius: nan } } }\n")

@@ -18,7 +18,8 @@ from tessera_process import PATIENCE, PROGRAM, TesseraTest
 
 SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
 MOVING = """
-nodes { keys { time: 0 transform { } } keys { time: 1 transform { steps { translate { x: 1 } } } }
+nodes { keys { time: 0 transform { steps { translate { } } } }
+        keys { time: 1 transform { steps { translate { x: 1 } } } }
         shape { sphere { } } }
 """
 

@@ -81,10 +81,10 @@ class ServiceTest(TesseraTest):
         return (self.folder / "expected.pfm").read_bytes()
 
     def stop(self, *processes):
+        """What each has told on standard error."""
         for process in processes:
             process.send_signal(signal.SIGTERM)
-        for process in processes:
-            process.communicate(timeout=60)
+        return [process.communicate(timeout=60)[1] for process in processes]
 
     def kept_tiles(self):
         """How many tiles the store of a coordinator that is no more has."""
@@ -428,7 +428,9 @@ class Jobs(ServiceTest):
         bright = self.run_program("fetch", job, "--exposure", 20, "-o", "bright.png", "--connect", self.endpoint)
         self.assertEqual(1, bright.err.count("brighter than white"), bright.err)
         self.assertIn("warning: frame 3: ", bright.err)
-        self.stop(service, worker)
+        told = self.stop(service, worker)[0]
+        for frame in range(3, 7):
+            self.assertIn(f"job {job} frame {frame} is done", told)
 
     def test_pause_resume_and_cancel(self):
         service = self.serve()

@@ -16,10 +16,13 @@ def packed(samples, bits, order=">"):
     return int(text, 2).to_bytes(len(text) // 8, "big")
 
 
+def chunk(kind, data):
+    """Of a PNG."""
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
 def png(pixel, bits, size=2):
     """All pixels alike; one to four channels."""
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     color = {1: 0, 2: 4, 3: 2, 4: 6}[len(pixel)]
     row = b"\0" + packed(codes(pixel, bits) * size, bits)
     return (b"\x89PNG\r\n\x1a\n"

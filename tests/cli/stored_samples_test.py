@@ -3,10 +3,11 @@
 numbers become linear light."""
 import array
 import json
+import struct
 import subprocess
 import unittest
 
-from stored_pictures import exr, exr_parts, pfm, png, pnm, sgi, targa, tiff
+from stored_pictures import chunk, exr, exr_parts, pfm, png, pnm, sgi, targa, tiff
 from tessera_process import TesseraTest
 
 RGB = (188 / 255, 128 / 255, 64 / 255)
@@ -265,6 +266,40 @@ class StoredSamples(TesseraTest):
         self.assertEqual(0, result.code, result.err)
         self.assertIn("channels depth.Z, id.Y of 'parts.exr'", json.loads(result.out)["unused"])
         self.assertEqual([[0.25] * 3], self.row_of(QUAD % {"i": 0, "file": "parts.exr", "encoding": ""}, 1))
+
+    def test_the_part_that_has_colours_is_the_picture(self):
+        self.write("parts.exr", exr_parts({"depth": {"Z": 9}, "beauty": dict.fromkeys("RGB", 0.25)}))
+        self.write("one.exr", exr(dict.fromkeys("RGB", 0.25)))
+        quad = QUAD % {"i": 0, "file": "parts.exr", "encoding": ""}
+        self.assertEqual([[0.25] * 3], self.row_of(quad, 1))
+        info = json.loads(self.run_program("info", "scene.tessera", "--json").out)
+        self.assertIn("channel depth.Z of 'parts.exr'", info["unused"])
+        told = "parts.exr: the first part has no colours; part 'beauty' is read"
+        self.assertTrue(any(told in warning for warning in info["warnings"]), info)
+        result = self.run_program("compare", "parts.exr", "one.exr")
+        self.assertEqual(0, result.code, result.err)
+        self.assertIn(told, result.err)
+        self.write("depths.exr", exr_parts({"depth": {"Z": 0.5}, "far": {"Z": 1}}))
+        quad = QUAD % {"i": 0, "file": "depths.exr", "encoding": ""}
+        self.assertEqual([[0.5] * 3], self.row_of(quad, 1), "none has colours: the first")
+
+    def test_a_gamma_that_is_not_followed_is_told(self):
+        rgb = stored(RGB, 8)
+        for bits in 8, 16:
+            plain = png(rgb, bits)
+            for more, told in ((chunk(b"gAMA", struct.pack(">I", 100000)), True),
+                               (chunk(b"gAMA", struct.pack(">I", 45455)), False),
+                               (chunk(b"gAMA", struct.pack(">I", 100000)) + chunk(b"sRGB", b"\0"), False),
+                               (b"", False)):
+                for encoding in "", "encoding: ENCODING_LINEAR":
+                    with self.subTest(bits=bits, more=more, encoding=encoding):
+                        self.write("g.png", plain[:33] + more + plain[33:])
+                        quad = QUAD % {"i": 0, "file": "g.png", "encoding": encoding}
+                        wanted = rgb if encoding else lit(rgb)
+                        for is_, value in zip(self.row_of(quad, 1)[0], wanted):
+                            self.assertAlmostEqual(value, is_, delta=1e-3)
+                        warnings = self.run_program("info", "scene.tessera").out
+                        self.assertEqual(told and not encoding, "gamma 1 (gAMA)" in warnings, warnings)
 
     def test_metrics_compare_light(self):
         self.write("a.png", png(RGB, 16))

@@ -301,6 +301,25 @@ def test_floats_are_codes_where_they_are_said_to_be(tmp_path, stored_pictures):
         assert np.asarray(ts.ImageTexture(picture, encoding="linear").texels)[0] == .5
 
 
+def test_numbers_that_are_not_finite_are_read_as_they_are(tmp_path, stored_pictures):
+    """Of a picture that is measured, unlike a texture."""
+    channel = lambda x, y: [float("inf"), float("nan")][y] if x == 1 else 1
+    (tmp_path / "a.exr").write_bytes(stored_pictures.exr({"Y": channel}))
+    made = ts.read_image(tmp_path / "a.exr")
+    assert np.array_equal(made.linear[:, :, 0], [[1, np.inf], [1, np.nan]], equal_nan=True)
+    assert ts.compare(made, made).not_finite == 6
+
+
+def test_the_part_that_has_colours_is_told(tmp_path, stored_pictures):
+    parts = {"depth": {"Z": 9}, "beauty": dict.fromkeys("RGB", .25)}
+    (tmp_path / "a.exr").write_bytes(stored_pictures.exr_parts(parts))
+    with pytest.warns(ts.SceneWarning, match="a.exr: the first part has no colours; part 'beauty' is read"):
+        made = ts.read_image(tmp_path / "a.exr")
+    assert made.linear[0, 0].tolist() == [.25, .25, .25]
+    with pytest.warns(ts.SceneWarning, match="a.exr: the first part has no colours"):
+        assert ts.ImageTexture(tmp_path / "a.exr").channels == 3
+
+
 def test_numbers_that_are_not_finite_are_told_with_their_place(tmp_path, stored_pictures):
     channel = lambda x, y: float("inf") if (x, y) == (1, 0) else 1
     (tmp_path / "a.exr").write_bytes(stored_pictures.exr({"Y": channel}))

@@ -245,6 +245,10 @@ async function showFrame(mine) {
     get(`jobs/${job.id}/tiles?frame=${frame}`),
     getPicture(`jobs/${job.id}/preview.png?frame=${frame}`, seen.tag)]);
   if (mine !== turn || seen.frame !== frame || seen.job !== job.id) return;
+  if (seen.number !== tiles.number) {
+    seen.number = tiles.number;
+    showJob(job, frame);
+  }
   if (image) {
     picture.showBitmap(image.bitmap);
     seen.tag = image.tag;
@@ -284,11 +288,12 @@ function showJob(job, frame) {
   for (const id of ["pause", "cancel", "raise", "lower"]) byId(id).disabled = ended;
   byId("priority").textContent = `priority ${job.priority}`;
   byId("frames").hidden = job.frames_total < 2;
-  byId("frame").textContent = `frame ${frame + 1}`;
+  const number = seen.job === job.id && seen.frame === frame ? seen.number : undefined;
+  byId("frame").textContent = `frame ${number ?? "…"}`;
   byId("frame-before").disabled = frame === 0;
   byId("frame-after").disabled = frame + 1 >= job.frames_total;
   byId("trace").href = `${API}jobs/${job.id}/trace.json?frame=${frame}`;
-  const name = `job-${job.id}${job.frames_total > 1 ? `-frame-${frame + 1}` : ""}`;
+  const name = `job-${job.id}${job.frames_total > 1 ? `-frame-${number ?? frame + 1}` : ""}`;
   byId("save-picture").href = `${API}jobs/${job.id}/picture.png?frame=${frame}`;
   byId("save-picture").download = `${name}.png`;
   byId("save-scene").href = `${API}jobs/${job.id}/scene.tessera?frame=${frame}`;

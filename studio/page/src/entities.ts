@@ -206,8 +206,8 @@ export function addTo(entity: EntityId, kind: string): void {
   want("add", { kind, entity });
 }
 
-export function writeCamera(camera: FreeCamera, name = "", made?: () => void): void {
-  want("write_camera", { camera, text: name }, undefined, state.sceneFile.peek(), { made });
+export function writeCamera(camera: FreeCamera, aspect: number, name = "", made?: () => void): void {
+  want("write_camera", { camera, aspect, text: name }, undefined, state.sceneFile.peek(), { made });
 }
 
 export function writeSettings(options: ToProgram["write_settings"]["options"]): void {

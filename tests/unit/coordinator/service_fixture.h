@@ -38,8 +38,9 @@ class ServiceTest : public CoordinatorTest {
     return job_id_of("a test", static_cast<uint64_t>(number));
   }
   /// The number of the job of `side` x `side` pixels in tiles of 16, once it is accepted.
+  /// `first_number`: that of the first frame in an animation; 0: the frames are of none.
   uint64_t submit(uint32_t seed, int priority = 0, int side = 32, uint32_t weight = 1,
-                  int frames = 1, Time now = {}) {
+                  int frames = 1, Time now = {}, int first_number = 0) {
     v1::Envelope message;
     v1::SubmitJob& request = *message.mutable_submit_job();
     request.set_submission(1000 + seed);
@@ -49,11 +50,13 @@ class ServiceTest : public CoordinatorTest {
     request.set_tile_size(16);
     request.mutable_crop()->set_x1(side);
     request.mutable_crop()->set_y1(side);
+    request.set_animation(first_number != 0);
     BlobStore blobs;
     for (int i = 0; i < frames; ++i) {
       JobSpec spec = job(side);
       spec.frame.set_seed(seed + static_cast<uint32_t>(i) * 100);
       v1::JobFrame& frame = *request.add_frames();
+      if (first_number != 0) frame.set_number(first_number + i);
       const std::string scene = serialize_scene(spec.scene);
       const auto bytes = std::as_bytes(std::span(scene));
       frame.set_scene_digest(blobs.put({bytes.begin(), bytes.end()}).hex());

@@ -262,6 +262,8 @@ TEST_F(SourceEditsTest, TellTheTextOfACamera) {
       "cameras { name: 'b' world_from_camera { steps { look_at { eye { y: 1 z: 5 } target { y: "
       "1 } } } } perspective { field_of_view: 40 } }");
   EXPECT_TRUE(text_of("c.tessera", "nodes { }\n", "").starts_with("cameras { world_from_camera"));
+  EXPECT_EQ(text_of("d.gltf", R"({"asset":{"version":"2.0"}})", ""),
+            R"({"camera":0,"translation":[0,1,5]})");
   EXPECT_EQ(
       text_of("b.crt",
               "cam = Camera { position -> vec3(0, 1, -5) pointing -> vec3(0, 0, 0) fov -> 50 }",

@@ -146,8 +146,9 @@ TEST(PublicAddress, IsThatOfAPage) {
   EXPECT_EQ(parse("http://farm.example:80").url, "http://farm.example/");
   EXPECT_EQ(parse("https://[2001:db8::1]/").origin, "https://[2001:db8::1]");
   for (const char* wrong :
-       {"", "farm.example", "ftp://farm.example", "https://", "https:///x", "https://farm.example:",
-        "https://farm.example:x", "https://a@farm.example", "https://farm.example/?a",
+       {"", "farm.example", "ftp://farm.example", "https://", "https:///x",
+        "https://farm.example:", "https://farm.example:x", "https://farm.example:65536",
+        "https://farm.example:99999", "https://a@farm.example", "https://farm.example/?a",
         "https://farm.example/#a", "https://farm example/", "https://farm.example/a b", "//x/"}) {
     EXPECT_THROW(parse(wrong), Error) << wrong;
   }

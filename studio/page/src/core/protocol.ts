@@ -113,7 +113,7 @@ export interface ToProgram {
   remove: OfText & { entity: EntityId };
   duplicate: OfText & { entity: EntityId };
   /** The camera called `text`, or the first, gets this pose. */
-  write_camera: OfText & { camera: FreeCamera; text?: string };
+  write_camera: OfText & { camera: FreeCamera; aspect: number; text?: string };
   /** Options of `tessera render` become settings of the scene. */
   write_settings: OfText & { options: Record<string, string | number | boolean> };
   /** The entity, or without one a new include, gets the placement. */
@@ -123,7 +123,7 @@ export interface ToProgram {
   complete: OfText & { offset: number; number: number };
   hover: OfText & { offset: number; number: number };
   /** What `write_camera` would leave of the camera's text. */
-  camera_text: OfText & { camera: FreeCamera; text: string; number: number };
+  camera_text: OfText & { camera: FreeCamera; aspect: number; text: string; number: number };
   create: { template?: string; model?: string; sample?: string };
   /** The numbers of what is answered are the page's: each has another one. */
   render: { number: number; file: string; spec: RenderSpec };

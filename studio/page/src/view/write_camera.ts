@@ -12,13 +12,19 @@ import { currentCamera, moveCamera, pivot, setPivot } from "./wish.js";
 /** The camera that was written, until the program has read the text with it. */
 const written = signal<{ file: string; version: number; from: CameraWish; name: string | undefined } | undefined>(undefined);
 
+/** The width of the view's picture over its height, by which an angle over one side is another over the other. */
+function aspect(): number {
+  const [width, height] = state.viewSize.peek();
+  return height > 0 ? width / height : 0;
+}
+
 /** Writes the numbers of the view's camera to the one that it was moved from, or the first. */
 export function writeViewCamera(): void {
   const camera = currentCamera();
   const file = state.sceneFile.peek();
   const from = state.camera.peek();
   if (!camera || file === undefined) return;
-  writeCamera(camera, camera.name, () => {
+  writeCamera(camera, aspect(), camera.name, () => {
     written.value = { file, version: documents.find(file)?.sync.version ?? 0, from, name: camera.name };
   });
 }
@@ -28,7 +34,7 @@ export async function copyCameraText(): Promise<void> {
   const camera = currentCamera();
   const file = state.sceneFile.peek();
   if (!camera || file === undefined) return;
-  const told = await ask("camera_text", file, { camera, text: camera.name ?? "" });
+  const told = await ask("camera_text", file, { camera, aspect: aspect(), text: camera.name ?? "" });
   if (told) await copyText(told.text);
   else state.notify(`${file} has no words for this camera; “Write camera” says why.`, "error");
 }

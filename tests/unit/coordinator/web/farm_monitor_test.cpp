@@ -42,6 +42,14 @@ TEST_F(FarmMonitorTest, ShowsTheFarmFourTimesASecond) {
   EXPECT_EQ(monitor.last_look(), seconds(20));
 }
 
+TEST_F(FarmMonitorTest, FramesHaveTheNumbersOfTheirAnimation) {
+  const uint64_t animation = submit(1, 0, 32, 1, 2, {}, 7), pictures = submit(2, 0, 32, 1, 2);
+  EXPECT_EQ(watch(animation, seconds(1))->number, 7);
+  EXPECT_EQ(watch(pictures, seconds(2))->number, 1);
+  EXPECT_EQ(coordinator.number_of(animation, 1), 8);
+  EXPECT_EQ(coordinator.number_of(pictures, 1), 2);
+}
+
 TEST_F(FarmMonitorTest, AJobThatComesAndItsFirstTileShowInTheNextLook) {
   Time now = seconds(1);
   const auto soon = [&now] { return now += milliseconds(20); };

@@ -294,6 +294,27 @@ TEST(ReadTransform, up_is_mixed_as_eye_and_target_are) {
   expect_near(at(over, .5)(Vec3{0, 1, 0}), {-1, 0, 0}, 1e-12, "about the view");
 }
 
+TEST(ReadTransform, a_view_turns_evenly_from_one_target_to_another) {
+  const auto view = [](const Point3& eye, double degrees) {
+    const double angle = portable::radians(degrees);
+    return fmt::format(
+        "transform {{ steps {{ look_at {{ eye {{ x: {} y: {} z: {} }} target {{ x: {} y: {} z: {} "
+        "}} }} }} }} ",
+        eye.x, eye.y, eye.z, eye.x - 5 * std::sin(angle), eye.y, eye.z - 5 * std::cos(angle));
+  };
+  for (const double degrees : {60., 120., 179., 180.}) {
+    const std::string pan =
+        "keys { " + view({1, 2, 3}, 0) + "} keys { time: 1 " + view({3, 2, 3}, degrees) + "}";
+    for (const double s : {.1, .25, .5, .9}) {
+      const Affine now = at(pan, s);
+      expect_near(now(Point3{}) - Point3{}, {1 + 2 * s, 2, 3}, 1e-12);
+      expect_near(now(Vec3{0, 1, 0}), {0, 1, 0}, 1e-12, "about one axis");
+      const Vec3 forward = now(Vec3{0, 0, -1});
+      EXPECT_NEAR(portable::degrees(std::acos(-forward.z)), s * degrees, 1e-6) << degrees;
+    }
+  }
+}
+
 std::string matrix_keys(const Affine& first, const Affine& last) {
   const auto step = [](const Affine& a) {
     std::string text = "transform { steps { matrix { rows: [";

@@ -334,6 +334,15 @@ TEST(Validation, transforms) {
       "nodes { shape { sphere {} } keys { time: -1 transform { steps { translate {} } } } "
       "keys { time: 2 } }",
       "the same kinds of steps");
+  // Before the first frame, whose time is 0.
+  expect_error(
+      "nodes { name: 'n' shape { sphere {} } keys { transform { steps { translate {} } } } "
+      "keys { time: 5 transform { steps { rotate { axis { y: 1 } } } } } }",
+      "node 'n': keys is of different steps at 0 s and 5 s; expected the same kinds of steps");
+  expect_error(
+      "cameras { keys { transform { steps { look_at { target { z: -1 } } } } } "
+      "keys { time: 5 transform { steps { look_at { } } } } }",
+      "look_at.target is the eye itself");
 }
 
 TEST(Validation, the_graph) {
