@@ -137,7 +137,7 @@ class Frames(TesseraTest):
 
 
 class ModelsAsTheyCome(TesseraTest):
-    """Files that other programs write: of points and lines."""
+    """Files that other programs write: of points, and with their insides out."""
     RENDER = "--size", "360x360", "--workers", "0", "--integrator", "albedo", "--quiet", "-o", "x.pfm"
 
     def colors(self, scene, *options):
@@ -174,6 +174,18 @@ class ModelsAsTheyCome(TesseraTest):
         red, green, blue = self.colors(self.write("square.gltf", box), "--view", "front")
         self.assertGreater(red, 150)
         self.assertEqual((0, 0), (green, blue))
+
+    def test_back_faces_are_seen_on_demand(self):
+        scene = self.write("back.tessera", """
+            cameras { frame_all: true } materials { name: 'm' sides: FRONT_ONLY
+              classic { diffuse { value { g: 1 } } } }
+            nodes { transform { steps { rotate { axis { y: 1 } angle: 180 } } }
+                    shape { disc { } materials: 'm' } }""")
+        self.assertEqual([0, 0, 0], self.colors(scene))
+        for option in ("--two-sided", "--x3d-two-sided"):
+            self.assertGreater(self.colors(scene, option)[1], 1000)
+        self.assertEqual(0, self.run_program("convert", scene, "seen.tessera", "--two-sided").code)
+        self.assertGreater(self.colors("seen.tessera")[1], 1000)
 
 
 class StandardViews(TesseraTest):

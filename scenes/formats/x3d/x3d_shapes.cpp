@@ -152,7 +152,7 @@ void X3dTranslator::add_shape(const X3dNode& node, const v1::Transform& path, v1
                      (!look.appearance || values_.boolean(*look.appearance, "shadowCaster", true));
   if (!casts) out.set_casts_no_shadow(true);
   look.two_sided =
-      look.lines || build_.options.x3d_two_sided || !values_.boolean(*geometry, "solid", !flat);
+      look.lines || build_.options.two_sided || !values_.boolean(*geometry, "solid", !flat);
   if (shape.has_mesh()) {
     const X3dMesh& made = mesh(*geometry, mesh_look, path);
     look.colors = made.has_colors;
