@@ -13,6 +13,7 @@
 
 #include "base/file.h"
 #include "base/plain_text.h"
+#include "renderer/math/bounds.h"
 #include "scenes/formats/ply/ply_source.h"
 #include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
