@@ -60,6 +60,9 @@ void add_read_options(OptionList& list, ReadOptions& options) {
       "Which axis points up in a model that comes without a view, for its camera, lights and "
       "background; coordinates stay as they are [y; z for STL]",
       options.up, std::array<std::pair<const char*, Up>, 2>{{{"y", Up::y}, {"z", Up::z}}});
+  scene.add_flag("--two-sided",
+                 "Show back faces, which glTF's one-sided materials and X3D's 'solid' hide",
+                 options.two_sided);
   OptionGroup group(list, "Reading X3D");
   add_choice(group, "--x3d-color", "display|linear",
              "Colours as they are, or decoded from sRGB and lit in linear light [display]",
@@ -89,8 +92,7 @@ void add_read_options(OptionList& list, ReadOptions& options) {
   group.add_flag("--x3d-strict",
                  "A picture or an Inline that is missing is an error, not a warning",
                  options.x3d_strict);
-  group.add_flag("--x3d-two-sided", "Show back faces, which files that leave 'solid' out hide",
-                 options.x3d_two_sided);
+  group.add_flag("--x3d-two-sided", "The same as --two-sided", options.two_sided);
 }
 
 }  // namespace tessera

@@ -20,7 +20,7 @@ from .rendering import checked_scene
 from .scene import Scene
 
 def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Path] = None, frame: int = 0,
-         place: Union[str, Sequence[str]] = (), strict: bool = False, up: Optional[Up] = None,
+         place: Union[str, Sequence[str]] = (), strict: bool = False, two_sided: bool = False, up: Optional[Up] = None,
          x3d_color: Optional[X3dColor] = None, x3d_shadows: Optional[X3dShadows] = None,
          x3d_texture: Optional[X3dTexture] = None, x3d_weld: Optional[float] = None,
          x3d_strict: bool = False, x3d_two_sided: bool = False, **unknown: NoReturn) -> Scene:
@@ -33,13 +33,14 @@ def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Pat
     :param frame: of an animation that has a script.
     :param place: "FILE:at=X,Y,Z:rotate=X,Y,Z:scale=S:mirror=AXES", other scenes placed into this one.
     :param strict: a picture or an Inline that is missing is an error, also called `x3d_strict`.
+    :param two_sided: shows back faces, which glTF's one-sided materials and X3D's `solid` hide.
     :param up: which axis points up in a model that comes without a view; coordinates stay as they are.
     :param x3d_color: how the numbers of X3D's colours are meant.
     :param x3d_shadows: which of X3D's lights cast shadows.
     :param x3d_texture: whether a coloured texture replaces the material's colour or multiplies it.
     :param x3d_weld: points this near share the normals that are made.
     :param x3d_strict: the same as `strict`, as the option is called.
-    :param x3d_two_sided: shows back faces, which files that leave `solid` out hide.
+    :param x3d_two_sided: the same as `two_sided`.
     """
     x3d_strict = x3d_strict or strict
     options = {name: value for name, value in locals().items()

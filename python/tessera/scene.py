@@ -380,8 +380,9 @@ class Scene(_messages.Scene):
                max_depth: Optional[int] = None, shadows: Optional[Shadows] = None,
                accel: Optional[Accelerator] = None, aovs: Aovs = (), denoise: bool = False,
                place: Union[str, Sequence[str]] = (), assets: Optional[Path] = None,
-               environment: Optional[Path] = None, up: Optional[Up] = None, tile: Optional[int] = None, workers: Optional[int] = None,
-               threads: Optional[int] = None, verify: Union[None, float, str] = None,
+               environment: Optional[Path] = None, up: Optional[Up] = None, two_sided: bool = False,
+               tile: Optional[int] = None, workers: Optional[int] = None, threads: Optional[int] = None,
+               verify: Union[None, float, str] = None,
                farm: Optional[BaseFarm] = None, progress: ProgressOption = None,
                on_tile: Optional[TileCallback] = None, **unknown: NoReturn,
                ) -> Iterator[Tuple[int, Image]]:

@@ -137,7 +137,7 @@ std::string key_of(const std::string& path, const std::string& format, const Rea
   return fmt::format("scene|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}|{}", format,
                      static_cast<int>(options.x3d_color), static_cast<int>(options.x3d_shadows),
                      static_cast<int>(options.x3d_texture), options.x3d_weld, options.x3d_strict,
-                     options.x3d_two_sided, options.origins, options.decode_texture != nullptr,
+                     options.two_sided, options.origins, options.decode_texture != nullptr,
                      options.decode_texture_bytes != nullptr, options.frame, options.assets, path,
                      whole_path(path).string());
 }
@@ -292,6 +292,13 @@ void surround(LoadedScene& loaded, bool z_is_up, const ReadOptions& options) {
   if (z_is_up) stand_up(*scene.mutable_background()->mutable_orientation());
 }
 
+/// Does what ReadOptions::two_sided asks for.
+void show_back_faces(v1::Scene& scene, const ReadOptions& options) {
+  if (!options.two_sided) return;
+  for (v1::Material& material : *scene.mutable_materials())
+    if (material.sides() == v1::Material::FRONT_ONLY) material.set_sides(v1::Material::TWO_SIDED);
+}
+
 }  // namespace
 
 void check_scene_format(const std::string& path, const std::string& format) {
@@ -302,11 +309,13 @@ void check_scene_format(const std::string& path, const std::string& format) {
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {
   warn_of_up(made, name, options);
   surround(made, options.up == ReadOptions::Up::z, options);
-  if (made.scene.includes().empty() && options.placements.empty()) return;
-  const InputScope scope(&options.text_of);
-  FileReader read(name, options);
-  add_others(name, options, read, made);
-  check_scene(made.scene, name);
+  if (!made.scene.includes().empty() || !options.placements.empty()) {
+    const InputScope scope(&options.text_of);
+    FileReader read(name, options);
+    add_others(name, options, read, made);
+    check_scene(made.scene, name);
+  }
+  show_back_faces(made.scene, options);
 }
 
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
@@ -314,6 +323,7 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
   FileReader read(path, options);
   LoadedScene loaded = read(path, options.format);
   add_others(path, options, read, loaded);
+  show_back_faces(loaded.scene, options);
   const std::string format = format_of(path, options.format);
   const bool z_is_up = options.up == ReadOptions::Up::z ||
                        (options.up == ReadOptions::Up::by_format && format == "stl");

@@ -92,6 +92,8 @@ struct ReadOptions {
   /// A panorama that stands in place of the scene's background, wherever its file lies: the light
   /// of a model by itself, too. Empty: none.
   std::string environment{};
+  /// Back faces are seen, whatever the file says of materials and of X3D's `solid`.
+  bool two_sided = false;
   /// The caller puts a camera of its own in place of the scene's, by `up` too.
   bool brings_camera = false;
   Color x3d_color = Color::display;   ///< how the numbers of X3D colours are meant
@@ -99,9 +101,8 @@ struct ReadOptions {
   /// What a coloured texture does to the material's colour: by the letter it takes its place up to
   /// X3D 3.3, and multiplies it from 4.0 on.
   X3dTexture x3d_texture = X3dTexture::by_version;
-  double x3d_weld = 0;         ///< points this near share the normals that are made, in X3D's units
-  bool x3d_strict = false;     ///< a picture or an Inline that is missing or wrong is an error
-  bool x3d_two_sided = false;  ///< back faces are seen whatever `solid` says
+  double x3d_weld = 0;      ///< points this near share the normals that are made, in X3D's units
+  bool x3d_strict = false;  ///< a picture or an Inline that is missing or wrong is an error
   TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
   PictureCheck check_picture{};                ///< read_scene brings it where there are decoders

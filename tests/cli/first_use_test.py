@@ -137,6 +137,58 @@ class Frames(TesseraTest):
                                               "--quiet").err)
 
 
+class ModelsAsTheyCome(TesseraTest):
+    """Files that other programs write: of points, and with their insides out."""
+    RENDER = "--size", "360x360", "--workers", "0", "--integrator", "albedo", "--quiet", "-o", "x.pfm"
+
+    def colors(self, scene, *options):
+        """How many pixels show more red, green and blue than the two others, by .06."""
+        result = self.run_program("render", scene, *self.RENDER, *options)
+        self.assertEqual(0, result.code, result.err)
+        data = (self.folder / "x.pfm").read_bytes()
+        numbers = struct.unpack(f"<{360 * 360 * 3}f", data[-360 * 360 * 12:])
+        counts = [0, 0, 0]
+        for at in range(0, len(numbers), 3):
+            pixel = numbers[at:at + 3]
+            if max(pixel) > sorted(pixel)[1] + .06:
+                counts[pixel.index(max(pixel))] += 1
+        return counts
+
+    def test_points_are_seen_in_their_colours(self):
+        head = "".join(f"property {line}\n" for line in (
+            "float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"))
+        points = "".join(f"{x} {y} {z} {color}\n" for x in range(9) for y in range(9)
+                         for z, color in enumerate(("255 0 0", "0 255 0", "0 0 255")))
+        scene = self.write("points.ply", "ply\nformat ascii 1.0\nelement vertex 243\n"
+                                         f"{head}end_header\n{points}")
+        for count in self.colors(scene):
+            self.assertGreater(count, 40)
+
+    def test_lines_are_seen(self):
+        box = json.dumps({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+                          "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 2, "material": 0}]}],
+                          "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
+                          "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}],
+                          "bufferViews": [{"buffer": 0, "byteLength": 48}],
+                          "buffers": [{"byteLength": 48, "uri": "square.bin"}]})
+        self.write("square.bin", struct.pack("<12f", 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0))
+        red, green, blue = self.colors(self.write("square.gltf", box), "--view", "front")
+        self.assertGreater(red, 150)
+        self.assertEqual((0, 0), (green, blue))
+
+    def test_back_faces_are_seen_on_demand(self):
+        scene = self.write("back.tessera", """
+            cameras { frame_all: true } materials { name: 'm' sides: FRONT_ONLY
+              classic { diffuse { value { g: 1 } } } }
+            nodes { transform { steps { rotate { axis { y: 1 } angle: 180 } } }
+                    shape { disc { } materials: 'm' } }""")
+        self.assertEqual([0, 0, 0], self.colors(scene))
+        for option in ("--two-sided", "--x3d-two-sided"):
+            self.assertGreater(self.colors(scene, option)[1], 1000)
+        self.assertEqual(0, self.run_program("convert", scene, "seen.tessera", "--two-sided").code)
+        self.assertGreater(self.colors("seen.tessera")[1], 1000)
+
+
 class StandardViews(TesseraTest):
     SIDES = {"front": (0, 0, 2), "back": (0, 0, -2), "right": (2, 0, 0), "left": (-2, 0, 0), "top": (0, 2, 0),
              "bottom": (0, -2, 0)}

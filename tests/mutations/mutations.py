@@ -548,7 +548,7 @@ MUTATIONS = [
              "farm_service_simulation_test", "*"),
     Mutation("the axis of about half a turn has a part of its sine", "scenes/edit/x3d_rotation.cpp",
              "(f.m[i][best] + f.m[best][i]) / 2", "f.m[i][best]", "edit_test", "StudioEdit.TheAxis*"),
-    Mutation("lines of a framed view are sized for where its camera was", "scenes/formats/x3d/x3d_shapes.cpp",
+    Mutation("lines of a framed view are sized for where its camera was", "scenes/mesh/pen.cpp",
              "if (view.frame_all()) {", "if (false) {", "x3d_test", "X3dNodes.Lines*"),
     Mutation("a picture without a hit says nothing", "front/picture_warnings.cpp",
              'is_traced && count(report.counters, "hits") == 0', "false && is_traced", "front_test", "ReportWarnings.*"),

@@ -19,6 +19,16 @@ std::vector<double> base_color(const GltfValue& pbr) {
   return pbr["baseColorFactor"].numbers({1, 1, 1, 1}, 0, 1);
 }
 
+/// Without its texture.
+std::vector<double> emission(const GltfValue& in) {
+  // Above 1 it can only mean what emissiveStrength says since.
+  std::vector<double> glow = in["emissiveFactor"].numbers({0, 0, 0}, 0, GltfValue::kMost);
+  const GltfValue strength =
+      in["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
+  for (double& part : glow) part *= strength.amount(1);
+  return glow;
+}
+
 /// The objects of a material that refer to textures, the most visible first.
 std::vector<GltfValue> texture_infos(const GltfValue& in) {
   const GltfValue pbr = in["pbrMetallicRoughness"], more = in["extensions"];
@@ -34,21 +44,24 @@ std::vector<GltfValue> texture_infos(const GltfValue& in) {
 
 }  // namespace
 
-const std::string& GltfMaterials::use(std::optional<size_t> index) { return find(index).name; }
-size_t GltfMaterials::uv_set(std::optional<size_t> index) { return find(index).uv_set; }
+const std::string& GltfMaterials::use(const GltfMaterialUse& which) { return find(which).name; }
+size_t GltfMaterials::uv_set(const GltfMaterialUse& which) { return find(which).uv_set; }
 
-const GltfMaterials::Known& GltfMaterials::find(std::optional<size_t> index) {
-  const auto [known, is_new] = known_.try_emplace(index);
+const GltfMaterials::Known& GltfMaterials::find(const GltfMaterialUse& which) {
+  const auto [known, is_new] = known_.try_emplace(which);
   if (!is_new) return known->second;
   v1::Material& made = *out_.scene.add_materials();
-  if (index) {
-    const GltfValue in = file_.element("materials", *index);
-    made = convert(in);
+  if (which.index) {
+    const GltfValue in = file_.element("materials", *which.index);
+    made = convert(in, which.is_unlit);
     const std::string name = in["name"].text("");
-    known->second.name = unique_(name.empty() ? fmt::format("material {}", *index) : name);
+    known->second.name = unique_(name.empty() ? fmt::format("material {}", *which.index) : name);
     known->second.uv_set = choose_uv_set(in);
   } else {
-    made.mutable_physical();
+    if (which.is_unlit)
+      made.mutable_unlit();
+    else
+      made.mutable_physical();
     made.set_sides(v1::Material::FRONT_ONLY);
     known->second.name = unique_("default");
   }
@@ -84,11 +97,17 @@ void GltfMaterials::number(const GltfValue& factor, double without, const GltfVa
   if (!out->texture().empty()) out->set_channel(channel);
 }
 
-v1::Material GltfMaterials::convert(const GltfValue& in) {
+v1::Material GltfMaterials::convert(const GltfValue& in, bool is_unlit) {
   v1::Material out;
   const GltfValue pbr = in["pbrMetallicRoughness"];
-  if (in["extensions"]["KHR_materials_unlit"]) {
-    color(base_color(pbr), pbr["baseColorTexture"], out.mutable_unlit()->mutable_color());
+  const bool is_base_alone(in["extensions"]["KHR_materials_unlit"]);
+  if (is_base_alone || is_unlit) {
+    std::vector<double> shown = base_color(pbr);
+    if (!is_base_alone && !pbr["baseColorTexture"]) {
+      const std::vector<double> glow = emission(in);
+      for (size_t c = 0; c < glow.size(); ++c) shown[c] += glow[c];
+    }
+    color(shown, pbr["baseColorTexture"], out.mutable_unlit()->mutable_color());
   } else {
     physical(in, out);
   }
@@ -115,13 +134,7 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
     if (share(occlusion["strength"], 1) < 1 - 1e-6)
       warnings_.add("an occlusionTexture's strength is taken as 1");
   }
-  if (const GltfValue factor = in["emissiveFactor"]) {
-    // Above 1 it can only mean what emissiveStrength says since.
-    std::vector<double> glow = factor.numbers({0, 0, 0}, 0, GltfValue::kMost);
-    const GltfValue strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"];
-    for (double& part : glow) part *= strength.amount(1);
-    color(glow, in["emissiveTexture"], made.mutable_emission());
-  }
+  if (in["emissiveFactor"]) color(emission(in), in["emissiveTexture"], made.mutable_emission());
   layers(extensions, made);
 }
 

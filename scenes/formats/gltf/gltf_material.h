@@ -43,6 +43,13 @@ class GltfTextures {
   std::map<size_t, std::string> pictures_;  ///< what Image.file says of an image; empty: none
 };
 
+/// A material of a file, or without an index the one that glTF gives by default.
+struct GltfMaterialUse {
+  std::optional<size_t> index;
+  bool is_unlit = false;  ///< of what shows its base colour and emission as they are
+  friend auto operator<=>(const GltfMaterialUse&, const GltfMaterialUse&) = default;
+};
+
 /// A glTF file's materials as ours, each made when it is first used.
 class GltfMaterials {
  public:
@@ -52,12 +59,14 @@ class GltfMaterials {
         out_(out),
         warnings_(warnings) {}
 
-  /// Its name in the scene; without an index that of the material that glTF gives by default.
-  const std::string& use(std::optional<size_t> index);
+  /// Its name in the scene.
+  const std::string& use(const GltfMaterialUse& which);
   /// Which set of texture coordinates its textures take. A mesh has one.
-  size_t uv_set(std::optional<size_t> index);
+  size_t uv_set(const GltfMaterialUse& which);
   const TextureSet& textures() const { return textures_.all(); }
-  bool is_used(size_t index) const { return known_.contains(index); }
+  bool is_used(size_t index) const {
+    return known_.contains({index, false}) || known_.contains({index, true});
+  }
   bool is_texture_used(size_t index) const { return textures_.is_used(index); }
 
  private:
@@ -66,8 +75,8 @@ class GltfMaterials {
     size_t uv_set = 0;
   };
 
-  const Known& find(std::optional<size_t> index);
-  v1::Material convert(const GltfValue& in);
+  const Known& find(const GltfMaterialUse& which);
+  v1::Material convert(const GltfValue& in, bool is_unlit);
   void physical(const GltfValue& in, v1::Material& out);
   void layers(const GltfValue& extensions, v1::Physical& out);
   void coverage(const GltfValue& in, const GltfValue& base, v1::Material& out);
@@ -81,7 +90,7 @@ class GltfMaterials {
   LoadedScene& out_;
   Warnings& warnings_;
   UniqueNames unique_;
-  std::map<std::optional<size_t>, Known> known_;
+  std::map<GltfMaterialUse, Known> known_;
 };
 
 }  // namespace tessera

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 
 #include "base/file.h"
@@ -14,25 +16,32 @@ namespace tessera {
 namespace {
 
 constexpr std::string_view kPrimitive = "the primitive is left out";
+constexpr uint64_t kNumbersOfStroke = 512;  // of memory for a point or a line's end, at most
 
-enum Mode : uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
+enum Mode : uint64_t { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kStrip, kFan };
 
-/// The corners of a primitive in groups of three. Calls action for each, flat ones too.
+/// Corners of a part of a primitive: 1 of a point, 2 of a line, 3 of a triangle.
+size_t corners_each(uint64_t mode) { return mode == kPoints ? 1 : mode < kTriangles ? 2 : 3; }
+
+/// Calls action with the corners of each part, triangles and lines without extent too.
 template <typename Action>
-void for_each_triangle(uint64_t mode, const std::vector<uint32_t>& corners, const Action& action) {
-  const size_t n = corners.size();
-  if (mode == kTriangles) {
-    for (size_t i = 0; i + 2 < n; i += 3) action(corners[i], corners[i + 1], corners[i + 2]);
-    return;
-  }
-  for (size_t i = 0; i + 2 < n; ++i) {
-    if (mode == kFan)
-      action(corners[i + 1], corners[i + 2], corners[0]);
-    else if (i % 2 == 0)
-      action(corners[i], corners[i + 1], corners[i + 2]);
+void for_each_part(uint64_t mode, const std::vector<uint32_t>& corners, const Action& action) {
+  using Part = std::initializer_list<uint32_t>;
+  const size_t n = corners.size(), each = corners_each(mode);
+  const size_t step = mode == kLines || mode == kTriangles ? each : 1;
+  for (size_t i = 0; i + each <= n; i += step) {
+    if (each == 1)
+      action(Part{corners[i]});
+    else if (each == 2)
+      action(Part{corners[i], corners[i + 1]});
+    else if (mode == kFan)
+      action(Part{corners[i + 1], corners[i + 2], corners[0]});
+    else if (mode == kTriangles || i % 2 == 0)
+      action(Part{corners[i], corners[i + 1], corners[i + 2]});
     else
-      action(corners[i + 1], corners[i], corners[i + 2]);
+      action(Part{corners[i + 1], corners[i], corners[i + 2]});
   }
+  if (mode == kLineLoop && n > 2) action(Part{corners[n - 1], corners[0]});
 }
 
 /// Limits the components of colours to 0 to 1 and warns of the first one that is outside by more
@@ -57,8 +66,9 @@ struct GltfMeshes::Group {
 
   Attributes attributes;
   size_t vertex_count = 0;
+  size_t corners_each = 3;  ///< as for_each_part gives them
   std::vector<std::string> materials;
-  std::vector<uint32_t> triangles, face_materials;
+  std::vector<uint32_t> corners, face_materials;
   uint32_t first = 0, last = 0;  ///< the vertices that are used: [first, last)
 };
 
@@ -79,7 +89,7 @@ std::string GltfMeshes::Attributes::key() const {
 }
 
 GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
-                                                 std::optional<size_t> material,
+                                                 const GltfMaterialUse& material,
                                                  const Weights& weights, bool is_bent) {
   const GltfValue in = primitive["attributes"];
   const auto use = [&](const std::string& name) {
@@ -131,7 +141,38 @@ void GltfMeshes::list_unused_attributes() {
     if (!is_used) warnings_.add(fmt::format("attribute {} is not used", to_utf8(name)));
 }
 
-std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights, const GltfSkin* skin) {
+bool GltfMeshes::has_strokes(size_t index) {
+  const GltfValue primitives = file_.element("meshes", index)["primitives"];
+  for (size_t i = 0; i < primitives.size(); ++i)
+    if (primitives.at(i)["mode"].whole().value_or(kTriangles) < kTriangles) return true;
+  return false;
+}
+
+Bounds3 GltfMeshes::bounds(size_t index) {
+  const GltfValue primitives = file_.element("meshes", index)["primitives"];
+  Bounds3 out;
+  for (size_t i = 0; i < primitives.size(); ++i) {
+    const GltfValue reference = primitives.at(i)["attributes"]["POSITION"];
+    const auto [known, is_new] =
+        boxes_.try_emplace(reference.whole().value_or(file_.root()["accessors"].size()));
+    Bounds3& box = known->second;
+    if (is_new) {
+      file_.attempt(kPrimitive, [&] {
+        const auto from = GltfAccessor::read(file_, reference, kPrimitive);
+        if (!from || from->components() != 3) return;
+        const std::vector<float> values = from->floats(0, from->count(), 3);
+        for (size_t at = 0; at + 2 < values.size(); at += 3)
+          if (const Point3 p{values[at], values[at + 1], values[at + 2]}; is_finite(p - Point3{}))
+            box.extend(p);
+      });
+    }
+    out.extend(box);
+  }
+  return out;
+}
+
+std::vector<v1::Node> GltfMeshes::read(size_t index, size_t weights, const GltfSkin* skin,
+                                       const Pen& pen) {
   const GltfValue primitives = file_.element("meshes", index)["primitives"];
   std::vector<Group> groups;
   std::map<std::string, size_t> by_key;
@@ -142,31 +183,34 @@ std::vector<v1::Shape> GltfMeshes::read(size_t index, size_t weights, const Gltf
       primitive["mode"].repair(fmt::format("{}", mode), "0 to 6", "the primitive is left out");
       continue;
     }
-    if (mode < kTriangles) {
-      warnings_.add("points and lines have no surface and are left out");
-      continue;
-    }
-    const auto material = primitive["material"].index(file_.root()["materials"].size(), "material");
+    const size_t each = corners_each(mode);
+    // Points and lines without normals are lit by nothing (3.9.6).
+    const GltfMaterialUse material{
+        primitive["material"].index(file_.root()["materials"].size(), "material"),
+        each < 3 && !primitive["attributes"]["NORMAL"]};
     Attributes attributes =
         attributes_of(primitive, material, *by_number_[weights], skin != nullptr);
     if (!attributes.position) {
       warnings_.add("primitives without POSITION are left out");
       continue;
     }
-    const auto placed = by_key.try_emplace(attributes.key(), groups.size());
+    std::string key = attributes.key();
+    if (each < 3) key += fmt::format("{} by {}", each, materials_.use(material));
+    const auto placed = by_key.try_emplace(std::move(key), groups.size());
     if (placed.second) groups.emplace_back(std::move(attributes));
     Group& group = groups[placed.first->second];
+    group.corners_each = each;
     file_.attempt(kPrimitive, [&] { add(primitive, material, group); });
   }
-  std::vector<v1::Shape> shapes;
+  std::vector<v1::Node> nodes;
   for (Group& group : groups) {
-    if (group.triangles.empty()) continue;
-    if (auto shape = finish(group, skin)) shapes.push_back(std::move(*shape));
+    if (group.corners.empty()) continue;
+    if (auto node = finish(group, skin, pen)) nodes.push_back(std::move(*node));
   }
-  return shapes;
+  return nodes;
 }
 
-void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material, Group& group) {
+void GltfMeshes::add(const GltfValue& primitive, const GltfMaterialUse& material, Group& group) {
   const auto positions = GltfAccessor::read(file_, group.attributes.position, kPrimitive);
   if (!positions) return;
   if (positions->components() != 3)
@@ -189,24 +233,30 @@ void GltfMeshes::add(const GltfValue& primitive, std::optional<size_t> material,
   const auto number = static_cast<uint32_t>(known - group.materials.begin());
   if (known == group.materials.end()) group.materials.push_back(name);
   const uint64_t mode = primitive["mode"].whole().value_or(kTriangles);
-  if (corners.size() < 3 || (mode == kTriangles && corners.size() % 3 != 0))
+  const size_t each = group.corners_each;
+  const bool is_list = mode == kLines || mode == kTriangles;
+  if (corners.size() < each || (is_list && corners.size() % each != 0))
     (given ? given : primitive)
         .repair(fmt::format("{} corners", corners.size()),
-                mode == kTriangles ? "3 or a multiple of it" : "3 or more",
+                fmt::format("{} or {}", each, is_list ? "a multiple of it" : "more"),
                 "those left over are left out");
   std::optional<uint32_t> lost;
-  for_each_triangle(mode, corners, [&](uint32_t a, uint32_t b, uint32_t c) {
-    const uint32_t largest = std::max({a, b, c});
+  for_each_part(mode, corners, [&](std::initializer_list<uint32_t> part) {
+    const uint32_t largest = std::max(part);
     if (largest >= group.vertex_count) {
       lost = largest;
       return;
     }
-    if (a == b || b == c || c == a) return;
-    group.triangles.insert(group.triangles.end(), {a, b, c});
-    group.face_materials.push_back(number);
+    const uint32_t* const p = part.begin();
+    if (each > 1 && p[0] == p[1]) return;
+    if (each > 2 && (p[1] == p[2] || p[2] == p[0])) return;
+    group.corners.insert(group.corners.end(), part);
+    if (each == 3) group.face_materials.push_back(number);
   });
   if (!lost) return;
-  file_.attempt("the triangles there are left out", [&] {
+  constexpr std::array kLeftOut{"the points there are left out", "the lines there are left out",
+                                "the triangles there are left out"};
+  file_.attempt(kLeftOut[each - 1], [&] {
     throw given.error(fmt::format("index {} of {} vertices", *lost, group.vertex_count),
                       "indices of vertices");
   });
@@ -280,8 +330,8 @@ std::vector<GltfInfluences> GltfMeshes::influences(const Group& group, size_t jo
   return out;
 }
 
-std::optional<v1::Shape> GltfMeshes::finish(Group& group, const GltfSkin* skin) {
-  const auto [least, most] = std::minmax_element(group.triangles.begin(), group.triangles.end());
+std::optional<v1::Node> GltfMeshes::finish(Group& group, const GltfSkin* skin, const Pen& pen) {
+  const auto [least, most] = std::minmax_element(group.corners.begin(), group.corners.end());
   group.first = *least;
   group.last = *most + 1;
   MeshData mesh;
@@ -306,18 +356,32 @@ std::optional<v1::Shape> GltfMeshes::finish(Group& group, const GltfSkin* skin) 
     replace_endless(mesh.tangents, 4, 0);
   }
   if (group.first > 0)
-    for (uint32_t& index : group.triangles) index -= group.first;
-  mesh.triangles = std::move(group.triangles);
+    for (uint32_t& index : group.corners) index -= group.first;
+  const bool is_drawn = group.corners_each < 3;
+  if (!is_drawn) mesh.triangles = std::move(group.corners);
   if (group.materials.size() > 1) mesh.face_materials = std::move(group.face_materials);
   if (skin) bend_mesh(*skin, influences(group, skin->joints.size()), mesh);
+  if (is_drawn) {
+    file_.spend(group.corners.size() * kNumbersOfStroke, from.position);
+    const auto is_placed = [&](uint32_t vertex) {
+      const float* const p = &mesh.positions[size_t{vertex} * 3];
+      return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+    };
+    if (!std::all_of(group.corners.begin(), group.corners.end(), is_placed))
+      from.position.repair("numbers that are not finite in single precision", "finite numbers",
+                           "the points and lines there are left out");
+    mesh = draw_strokes(pen, mesh, group.corners, group.corners_each);
+  }
   if (drop_unplaced(mesh) > 0)
     from.position.repair("numbers that are not finite in single precision", "finite numbers",
                          "the triangles there are left out");
   if (mesh.triangles.empty()) return std::nullopt;
-  v1::Shape shape;
-  for (const std::string& material : group.materials) shape.add_materials(material);
-  *shape.mutable_mesh() = store_mesh(std::move(mesh), out_.blobs);
-  return shape;
+  v1::Node node;
+  // What has no breadth hides no light.
+  if (is_drawn) node.set_casts_no_shadow(true);
+  for (const std::string& material : group.materials) node.mutable_shape()->add_materials(material);
+  *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out_.blobs);
+  return node;
 }
 
 }  // namespace tessera

@@ -5,16 +5,18 @@
 #include <utility>
 #include <vector>
 
+#include "renderer/math/bounds.h"
 #include "scenes/formats/gltf/gltf_accessor.h"
 #include "scenes/formats/gltf/gltf_material.h"
 #include "scenes/formats/gltf/gltf_skin.h"
 #include "scenes/import/loaded_scene.h"
 #include "scenes/import/warnings.h"
+#include "scenes/mesh/pen.h"
 
 namespace tessera {
 
 /// Turns meshes of a glTF file into shapes. Primitives over the same vertices become one shape with
-/// a material for each of its triangles.
+/// a material for each of its triangles; points and lines are drawn by a pen.
 class GltfMeshes {
  public:
   GltfMeshes(GltfFile& file, GltfMaterials& materials, LoadedScene& out, Warnings& warnings)
@@ -27,9 +29,13 @@ class GltfMeshes {
   size_t weights(const GltfValue& node, size_t index);
   /// Warns of the attributes that no primitive so far was read with.
   void list_unused_attributes();
-  /// The shapes of mesh `index` by the weights of that number, with their data among the scene's
-  /// blobs: in the mesh's frame, or bent by a skin in the world's.
-  std::vector<v1::Shape> read(size_t index, size_t weights, const GltfSkin* skin);
+  /// Whether any primitive of mesh `index` is points or lines, which need a pen.
+  bool has_strokes(size_t index);
+  /// Of the positions of mesh `index` as they stand in its accessors.
+  Bounds3 bounds(size_t index);
+  /// A node for each shape of mesh `index` by the weights of that number, with their data among the
+  /// scene's blobs: in the mesh's frame, or bent by a skin in the world's.
+  std::vector<v1::Node> read(size_t index, size_t weights, const GltfSkin* skin, const Pen& pen);
 
  private:
   /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
@@ -43,11 +49,11 @@ class GltfMeshes {
   struct Group;
 
   size_t number_of(const GltfValue& weights);
-  Attributes attributes_of(const GltfValue& primitive, std::optional<size_t> material,
+  Attributes attributes_of(const GltfValue& primitive, const GltfMaterialUse& material,
                            const Weights& weights, bool is_bent);
-  void add(const GltfValue& primitive, std::optional<size_t> material, Group& group);
+  void add(const GltfValue& primitive, const GltfMaterialUse& material, Group& group);
   /// Nothing where no triangle is left.
-  std::optional<v1::Shape> finish(Group& group, const GltfSkin* skin);
+  std::optional<v1::Node> finish(Group& group, const GltfSkin* skin, const Pen& pen);
   /// Of an attribute; empty where there is none, or not one row of at least `least` numbers for
   /// each vertex. A colour may be without alpha.
   std::vector<float> rows(const GltfValue& reference, size_t width, const Group& group,
@@ -69,6 +75,7 @@ class GltfMeshes {
   std::map<Weights, size_t> weights_;       ///< their numbers
   std::vector<const Weights*> by_number_;
   std::map<size_t, size_t> own_weights_;  ///< numbers by mesh
+  std::map<size_t, Bounds3> boxes_;       ///< by accessor
 };
 
 }  // namespace tessera

@@ -17,6 +17,7 @@
 #include "scenes/import/decimal.h"
 #include "scenes/import/picture_problem.h"
 #include "scenes/import/put_vec3.h"
+#include "scenes/mesh/pen.h"
 
 namespace tessera {
 namespace {
@@ -88,6 +89,8 @@ class GltfReader {
     check_extensions();
     check_names();
     count_uses(roots());
+    for (const Place& place : places_) camera_of(place);
+    find_view();
     for (const Place& place : places_) node(place);
     for (const v1::Texture& texture : materials_.textures().all())
       *out_.scene.add_textures() = texture;
@@ -154,17 +157,20 @@ class GltfReader {
 
   /// The shapes of a mesh; `world`, where they are to be placed, becomes none of those that a skin
   /// has taken there.
-  std::vector<v1::Shape> shapes_of(const MeshUse& use, Affine& world) {
+  std::vector<v1::Node> shapes_of(const MeshUse& use, Affine& world) {
     if (use.bent_by) {
       const std::vector<Affine>& joints = joints_of(*skin_of(file_.element("nodes", *use.bent_by)));
       if (!joints.empty()) {
         const GltfSkin skin{joints, world};
         world = {};
-        return meshes_.read(use.mesh, use.weights, &skin);
+        return meshes_.read(use.mesh, use.weights, &skin, pen(world));
       }
     }
-    return meshes_.read(use.mesh, use.weights, nullptr);
+    return meshes_.read(use.mesh, use.weights, nullptr, pen(world));
   }
+
+  /// Of a mesh that is shown several times the first place decides.
+  Pen pen(const Affine& world) const { return Pen::for_view(view_, world, extent_); }
 
   template <typename Test>
   void list_unused(const char* array, const char* what, const Test& is_used) {
@@ -288,6 +294,43 @@ class GltfReader {
     return instances_.emplace(place.node, std::move(*frames)).first->second.size();
   }
 
+  void camera_of(const Place& place) {
+    const GltfValue in = file_.element("nodes", place.node);
+    if (const auto index = in["camera"].index(file_.root()["cameras"].size(), "camera"))
+      camera(*index, in, place.world);
+  }
+
+  /// Where points and lines are seen from, which are as wide as the picture asks for: by the first
+  /// camera, else by one that sees all.
+  void find_view() {
+    const auto& cameras = out_.scene.cameras();
+    view_.set_frame_all(cameras.empty());
+    if (!cameras.empty()) view_ = cameras[0];
+    const bool has_strokes = std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
+      return place.mesh && meshes_.has_strokes(place.mesh->mesh);
+    });
+    if (!has_strokes || !cameras.empty()) return;
+    Bounds3 all;
+    for (const Place& place : places_) {
+      if (!place.mesh) continue;
+      const Bounds3 box = meshes_.bounds(place.mesh->mesh);
+      if (box.empty()) continue;
+      // Transform::bounds() would make a box of a point alone.
+      const auto extend = [&](const Affine& world) {
+        for (unsigned corner = 0; corner < 8; ++corner)
+          all.extend(
+              world(Point3{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                           corner & 4 ? box.max.z : box.min.z}));
+      };
+      const auto instances = instances_.find(place.node);
+      if (instances == instances_.end())
+        extend(place.world);
+      else
+        for (const Affine& frame : instances->second) extend(place.world * frame);
+    }
+    extent_ = Pen::extent_of(all);
+  }
+
   void node(const Place& place) {
     const GltfValue in = file_.element("nodes", place.node);
     const std::string name = in["name"].text("");
@@ -296,8 +339,6 @@ class GltfReader {
       for (const Affine& frame : instances->second) show(*place.mesh, name, place.world * frame);
     else if (place.mesh)
       show(*place.mesh, name, place.world);
-    if (const auto index = in["camera"].index(file_.root()["cameras"].size(), "camera"))
-      camera(*index, in, place.world);
     const GltfValue light_index = in["extensions"]["KHR_lights_punctual"]["light"];
     const GltfValue lights = file_.root()["extensions"]["KHR_lights_punctual"]["lights"];
     if (const auto index = light_index.index(lights.size(), "light"))
@@ -314,22 +355,19 @@ class GltfReader {
         v1::Object& object = *out_.scene.add_objects();
         object.set_name(unique_object_(own.empty() ? fmt::format("mesh {}", use.mesh) : own));
         known->second.object = object.name();
-        for (v1::Shape& shape : known->second.shapes)
-          *object.add_nodes()->mutable_shape() = std::move(shape);
+        for (v1::Node& shape : known->second.shapes) *object.add_nodes() = std::move(shape);
       }
     }
     if (known->second.shapes.empty()) return;
     has_shapes_ = true;
     v1::Node& node = *out_.scene.add_nodes();
+    if (!shared && known->second.shapes.size() == 1) node = std::move(known->second.shapes.front());
     node.set_name(name.empty() ? own : name);
     if (!(world == Affine{})) put(world, node.mutable_transform());
     if (shared) {
       node.set_instance_of(known->second.object);
-    } else if (known->second.shapes.size() == 1) {
-      *node.mutable_shape() = std::move(known->second.shapes.front());
-    } else {
-      for (v1::Shape& shape : known->second.shapes)
-        *node.add_children()->mutable_shape() = std::move(shape);
+    } else if (known->second.shapes.size() > 1) {
+      for (v1::Node& shape : known->second.shapes) *node.add_children() = std::move(shape);
     }
   }
 
@@ -439,7 +477,7 @@ class GltfReader {
   }
 
   struct Shown {
-    std::vector<v1::Shape> shapes;
+    std::vector<v1::Node> shapes;
     std::string object;
   };
 
@@ -455,6 +493,8 @@ class GltfReader {
   std::vector<size_t> place_of_;  ///< in places_, by node; empty before the first skin
   std::map<size_t, std::vector<Affine>> joints_;  ///< by skin; empty: it cannot be read
   bool has_shapes_ = false;
+  v1::Camera view_;
+  double extent_ = 0;  ///< metres across all that view_ is framed for; 0 without points and lines
   std::map<MeshUse, size_t> uses_;
   std::map<MeshUse, Shown> shown_;
 };

@@ -13,11 +13,13 @@
 
 #include "base/file.h"
 #include "base/plain_text.h"
+#include "renderer/math/bounds.h"
 #include "scenes/formats/ply/ply_source.h"
 #include "scenes/import/picture_problem.h"
 #include "scenes/import/plain_material.h"
 #include "scenes/import/warnings.h"
 #include "scenes/mesh/mesh_data.h"
+#include "scenes/mesh/pen.h"
 #include "scenes/mesh/triangulate.h"
 #include "scenes/mesh/vertex_colors.h"
 
@@ -26,6 +28,7 @@ namespace {
 
 constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
 constexpr uint64_t kMaxVertices = 0x7FFFFFFF;
+constexpr size_t kMaxDrawnPoints = size_t{1} << 22;
 
 /// What a vertex's properties mean: places in a row of numbers.
 enum Slot : size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kSlots };
@@ -74,27 +77,38 @@ float color_value(double share, PlyType type, bool is_alpha) {
                                                       : VertexColorSource::ply_integer);
 }
 
+bool has_faces(const PlyElement& element) {
+  return element.name == "face" || element.name == "tristrips";
+}
+
+/// Whether there is any; else the vertices themselves are what is seen.
+bool has_faces(const PlyHeader& header) {
+  return std::any_of(header.elements.begin(), header.elements.end(),
+                     [](const PlyElement& e) { return e.count > 0 && has_faces(e); });
+}
+
 template <typename Source>
 class PlyMesh {
  public:
   PlyMesh(Source source, Warnings& warnings) : in_(std::move(source)), warnings_(warnings) {}
 
   MeshData read(const PlyHeader& header) {
+    is_cloud_ = !has_faces(header);
     for (size_t i = 0; i <= 255; ++i)
       codes_[i] = color_value(static_cast<double>(i) / 255, PlyType::uint8, false);
     std::vector<std::pair<const PlyElement*, Source>> before_vertices;
     bool is_whole = true;
     for (const PlyElement& element : header.elements) {
       if (element.properties.empty()) continue;
-      const bool has_faces = element.name == "face" || element.name == "tristrips";
-      if (has_faces && mesh_.vertex_count() == 0) before_vertices.emplace_back(&element, in_);
+      if (has_faces(element) && mesh_.vertex_count() == 0)
+        before_vertices.emplace_back(&element, in_);
       is_whole = attempt([&] {
         if (element.name == "vertex")
           vertices(element);
-        else if (has_faces && mesh_.vertex_count() > 0)
+        else if (has_faces(element) && mesh_.vertex_count() > 0)
           faces(element);
         else
-          leave_out(element, has_faces);
+          leave_out(element);
       });
       if (!is_whole) break;
     }
@@ -107,12 +121,36 @@ class PlyMesh {
     replace_endless(mesh_.normals, 3, 0);
     replace_endless(mesh_.uvs, 2, 0);
     replace_endless(mesh_.colors, 4, 1);
-    if (problem_) drop_unplaced(mesh_);
+    if (is_cloud_)
+      draw_cloud();
+    else if (problem_)
+      drop_unplaced(mesh_);
     if (problem_ && mesh_.triangle_count() == 0) throw *problem_;
     return std::move(mesh_);
   }
 
  private:
+  /// Draws the vertices themselves, as wide as a view asks for that is framed for them.
+  void draw_cloud() {
+    const size_t count = mesh_.vertex_count();
+    const size_t step = (count + kMaxDrawnPoints - 1) / kMaxDrawnPoints;
+    if (step > 1)
+      warnings_.add(fmt::format("of {} points one in {} is drawn; expected at most {}", count, step,
+                                kMaxDrawnPoints));
+    Bounds3 box;
+    std::vector<uint32_t> points;
+    for (size_t i = 0; i < count; i += step) {
+      const float* const p = &mesh_.positions[i * 3];
+      const Point3 at{p[0], p[1], p[2]};
+      if (!is_finite(at - Point3{})) continue;
+      box.extend(at);
+      points.push_back(static_cast<uint32_t>(i));
+    }
+    v1::Camera view;
+    view.set_frame_all(true);
+    mesh_ = draw_strokes(Pen::for_view(view, {}, Pen::extent_of(box)), mesh_, points, 1);
+  }
+
   /// Reads an element. Where the file cannot be followed any more, as where it was cut short, it
   /// warns that only what is whole before that is read, and returns false.
   template <typename Read>
@@ -138,8 +176,8 @@ class PlyMesh {
     warnings_.repair(in_.told(row, found), expected, taken, [&] { return in_.place(); });
   }
 
-  void leave_out(const PlyElement& element, bool is_read_later) {
-    if (element.count > 0 && !is_read_later)
+  void leave_out(const PlyElement& element) {
+    if (element.count > 0 && !has_faces(element))
       warnings_.add(fmt::format("element '{}' is left out", element.name), element.count);
     skip(element);
   }
@@ -221,7 +259,8 @@ class PlyMesh {
     const std::string found = in_.told("", in_.shown(value));
     if (is_position && !problem_) problem_ = scene_error(in_.place(), found, kExpected);
     warnings_.repair(found, kExpected,
-                     is_position   ? "the faces there are left out"
+                     is_position
+                         ? is_cloud_ ? "the point is left out" : "the faces there are left out"
                      : slot <= kNz ? "the face's own normal is taken"
                      : slot <= kV  ? "0 is taken"
                                    : "white is taken",
@@ -357,6 +396,7 @@ class PlyMesh {
   Source in_;
   Warnings& warnings_;
   MeshData mesh_;
+  bool is_cloud_ = false;  ///< it has no faces at all
   uint64_t row_ = 0;
   std::optional<Error> problem_;  ///< what is wrong with the first part that was left out
   std::array<float, 256> codes_{};
@@ -400,11 +440,13 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name, const Pic
   LoadedScene out;
   Warnings warnings;
   const PlyHeader header = read_ply_header(bytes, name, warnings);
+  const bool is_cloud = !has_faces(header);
   MeshData mesh = read_mesh(header, bytes, name, warnings);
   if (mesh.triangle_count() == 0) {
     warnings.add("no faces: there is nothing to see");
   } else {
     v1::Node& node = *out.scene.add_nodes();
+    if (is_cloud) node.set_casts_no_shadow(true);
     node.set_name(to_utf8(std::filesystem::path(name).stem().string()));
     v1::Material& material = *out.scene.add_materials();
     material = plain_material("default", !mesh.colors.empty());

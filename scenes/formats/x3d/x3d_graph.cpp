@@ -199,10 +199,7 @@ double X3dTranslator::rough_extent() {
   std::set<const X3dNode*> seen;
   Bounds3 all;
   add_points(document_.scene(), path_of_file(), 0, seen, all);
-  if (all.empty()) return 0;
-  const double extent = length(all.diagonal());
-  // A point alone is as large as single precision tells apart where it lies, and more.
-  return extent > 0 ? extent : 1 + length(all.center() - Point3{});
+  return Pen::extent_of(all);
 }
 
 void X3dTranslator::add_points(const X3dNode& parent, const v1::Transform& path, int depth,

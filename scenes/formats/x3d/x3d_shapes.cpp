@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "renderer/math/elementary.h"
 #include "scenes/formats/x3d/x3d_steps.h"
 #include "scenes/formats/x3d/x3d_translator.h"
 #include "scenes/import/to_affine.h"
@@ -90,34 +89,16 @@ bool is_textured(const X3dNode* appearance) {
 
 }  // namespace
 
-/// A prism shows four fifths of its width: one to two pixels of a picture of 450 to 900. What
-/// LineProperties multiply it by is 1 at least, the narrowest line (12.4.3).
-X3dPen X3dTranslator::pen(const X3dNode* line_properties, const v1::Transform& path) {
-  constexpr double kWidth = 1. / 360;  // of the picture's smaller side
-  double width = kWidth;
+/// What LineProperties multiply its width by is 1 at least, the narrowest line (12.4.3).
+Pen X3dTranslator::pen(const X3dNode* line_properties, const v1::Transform& path) {
+  double scale = 1;
   if (line_properties && values_.boolean(*line_properties, "applied", true)) {
-    width *= std::max(1., values_.number(*line_properties, "linewidthScaleFactor", 0));
+    scale = std::max(1., values_.number(*line_properties, "linewidthScaleFactor", 0));
     if (values_.integer(*line_properties, "linetype", 1) != 1)
       values_.warn(line_properties->field("linetype")->offset,
                    "lines of any linetype are drawn solid");
   }
-  const v1::Camera& view = build_.view;
-  const Affine world_from_camera = to_affine(view.world_from_camera());
-  X3dPen out{.camera_from_node = inverse(world_from_camera) * to_affine(path)};
-  if (view.frame_all()) {
-    out.width = width * build_.framed_extent;
-  } else if (view.has_orthographic()) {
-    const v1::Orthographic& window = view.orthographic();
-    constexpr double kDefaultSide = 2;
-    const double side = window.has_min_x() ? std::min(window.max_x() - window.min_x(),
-                                                      window.max_y() - window.min_y())
-                                           : kDefaultSide;
-    out.width = width * side;
-  } else {
-    const double half = portable::radians(view.perspective().field_of_view()) / 2;
-    out.width_per_depth = width * 2 * portable::sin(half) / portable::cos(half);
-  }
-  return out;
+  return Pen::for_view(build_.view, to_affine(path), build_.framed_extent, scale);
 }
 
 const X3dMesh& X3dTranslator::mesh(const X3dNode& geometry, const MeshLook& look,
@@ -171,7 +152,7 @@ void X3dTranslator::add_shape(const X3dNode& node, const v1::Transform& path, v1
                      (!look.appearance || values_.boolean(*look.appearance, "shadowCaster", true));
   if (!casts) out.set_casts_no_shadow(true);
   look.two_sided =
-      look.lines || build_.options.x3d_two_sided || !values_.boolean(*geometry, "solid", !flat);
+      look.lines || build_.options.two_sided || !values_.boolean(*geometry, "solid", !flat);
   if (shape.has_mesh()) {
     const X3dMesh& made = mesh(*geometry, mesh_look, path);
     look.colors = made.has_colors;

@@ -16,6 +16,7 @@
 #include "scenes/formats/x3d/x3d_files.h"
 #include "scenes/import/loaded_scene.h"
 #include "scenes/import/warnings.h"
+#include "scenes/mesh/pen.h"
 
 namespace tessera {
 
@@ -118,7 +119,7 @@ class X3dTranslator {
   bool set_geometry(const X3dNode& geometry, const MeshLook& look, const v1::Transform& path,
                     v1::Shape& shape);
   const X3dMesh& mesh(const X3dNode& geometry, const MeshLook& look, const v1::Transform& path);
-  X3dPen pen(const X3dNode* line_properties, const v1::Transform& path);
+  Pen pen(const X3dNode* line_properties, const v1::Transform& path);
 
   // Materials (x3d_materials.cpp).
   /// What textures are looked up by: modes of a TextureCoordinateGenerator (18.4.8), but for uv.

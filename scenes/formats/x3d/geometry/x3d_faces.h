@@ -41,8 +41,7 @@ X3dFaces read_x3d_grid(const X3dNode& node, const X3dValues& values);
 X3dFaces read_x3d_extrusion(const X3dNode& node, const X3dValues& values);
 /// Text: flat lines of our own stroke font, in the plane z = 0.
 X3dFaces read_x3d_text(const X3dNode& node, const X3dValues& values);
-/// IndexedLineSet, LineSet and PointSet as prisms and octahedra as thin as the pen is where they
-/// begin and end.
-X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values, const X3dPen& pen);
+/// IndexedLineSet, LineSet and PointSet, drawn by the pen.
+X3dFaces read_x3d_lines(const X3dNode& node, const X3dValues& values, const Pen& pen);
 
 }  // namespace tessera

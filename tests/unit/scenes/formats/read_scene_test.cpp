@@ -172,6 +172,26 @@ TEST_F(ReadScene, TellsWhereUpTurnsNothing) {
   EXPECT_TRUE(read_scene(path, options).warnings.empty());
 }
 
+TEST_F(ReadScene, ShowsBackFacesOfAnyFileWhereItIsToldSo) {
+  const std::string one_sided =
+      "materials { name: 'm' sides: FRONT_ONLY } materials { name: 'b' "
+      "sides: BACK_MATERIAL back: 'm' }";
+  write("a.tessera", one_sided);
+  const std::string outer = write("b.tessera", "includes { file: 'a.tessera' }");
+  ReadOptions options;
+  EXPECT_EQ(read_scene(outer, options).scene.materials(0).sides(), v1::Material::FRONT_ONLY);
+  options.two_sided = true;
+  const auto check = [](const v1::Scene& scene) {
+    ASSERT_EQ(scene.materials_size(), 2);
+    EXPECT_EQ(scene.materials(0).sides(), v1::Material::TWO_SIDED);
+    EXPECT_EQ(scene.materials(1).sides(), v1::Material::BACK_MATERIAL) << "which shows its own";
+  };
+  check(read_scene(outer, options).scene);
+  LoadedScene made = read_scene((folder_ / "a.tessera").string());
+  add_files(made, outer, options);
+  check(made.scene);
+}
+
 TEST_F(ReadScene, PlacesIncludedFilesOfAnyFormatOnce) {
   write("models/t.obj", kTriangle);
   write("models/s.x3d",

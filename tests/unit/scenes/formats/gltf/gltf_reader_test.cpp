@@ -24,7 +24,6 @@ TEST(Gltf, ReadsTrianglesStripsAndFans) {
   EXPECT_EQ(triangles_of_mode(5, {0, 1, 3, 2}), (Indices{0, 1, 3, 3, 1, 2}));
   EXPECT_EQ(triangles_of_mode(6, {0, 1, 2, 3}), (Indices{1, 2, 0, 2, 3, 0}));
   EXPECT_EQ(triangles_of_mode(5, {0, 1, 1, 2}), Indices{}) << "a strip's joints have no surface";
-  EXPECT_EQ(triangles_of_mode(1, {0, 1, 2, 3}), Indices{});
 }
 
 TEST(Gltf, ReadsInterleavedNormalisedAndSparseAccessors) {

@@ -280,6 +280,47 @@ TEST(Ply, OneOddValueDoesNotCostTheFile) {
                 "faces there are left out"}));
 }
 
+TEST(Ply, PointsWithoutFacesAreDrawn) {
+  const std::string colored = "element vertex 3\n" + kXyz +
+                              "property float nx\nproperty float ny\nproperty float nz\n"
+                              "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string points = "0 0 0 0 0 1 255 0 0\n4 0 0 0 1 0 0 255 0\n0 3 0 1 0 0 0 0 255\n";
+  for (const std::string faces : {"", "element face 0\n"}) {
+    const std::string list = faces.empty() ? "" : kFace;
+    const Mesh mesh = read(header("ascii", colored + faces + list) + points);
+    EXPECT_EQ(mesh.triangles.size(), 3u * 3 * 8);
+    ASSERT_EQ(mesh.positions.size(), 3u * 18);
+    EXPECT_FLOAT_EQ(mesh.positions[0], -5. / 720) << "1/360 of the whole is the width of a point";
+    EXPECT_EQ(Floats(mesh.normals.begin() + 18, mesh.normals.begin() + 21), (Floats{0, 1, 0}));
+    EXPECT_EQ(Floats(mesh.colors.begin() + 24, mesh.colors.begin() + 28), (Floats{0, 1, 0, 1}));
+    EXPECT_TRUE(mesh.warnings.empty());
+  }
+  const LoadedScene loaded = parse_ply(header("ascii", colored) + points, "t.ply");
+  EXPECT_TRUE(loaded.scene.nodes(0).casts_no_shadow());
+}
+
+TEST(Ply, ARangeGridIsDrawnByItsPoints) {
+  const Mesh mesh = read(header("ascii", "element vertex 2\n" + kXyz +
+                                             "element range_grid 3\n"
+                                             "property list uchar int vertex_indices\n") +
+                         "0 0 0\n1 0 0\n1 0\n0\n1 1\n");
+  EXPECT_EQ(mesh.triangles.size(), 2u * 3 * 8);
+  EXPECT_EQ(mesh.warnings,
+            (std::vector<std::string>{"t.ply: element 'range_grid' is left out (3 times)"}));
+}
+
+TEST(Ply, APointThatIsNowhereIsLeftOut) {
+  const Mesh mesh =
+      read(header("ascii", "element vertex 3\n" + kXyz) + "0 0 0\nnan nan nan\n1 0 0\n");
+  EXPECT_EQ(mesh.triangles.size(), 2u * 3 * 8);
+  EXPECT_FLOAT_EQ(mesh.positions[0], -1. / 720);
+  EXPECT_EQ(mesh.warnings,
+            (std::vector<std::string>{"t.ply:10:1: 'nan'; expected a finite number that single "
+                                      "precision can hold; the point is left out (3 times)"}));
+  EXPECT_EQ(error(header("ascii", "element vertex 1\n" + kXyz) + "nan 0 0\n"),
+            "t.ply:9:1: 'nan'; expected a finite number that single precision can hold");
+}
+
 TEST(Ply, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error("plx\n"), "t.ply:1:1: 'plx'; expected 'ply', as PLY files begin");
   EXPECT_EQ(error("ply\nformat binary 1.0\n"),

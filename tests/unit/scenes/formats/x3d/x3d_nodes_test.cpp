@@ -335,7 +335,7 @@ TEST(X3dNodes, MaterialsOfVersionFour) {
 
 TEST(X3dNodes, BackFacesAreSeenWhereTheReaderIsToldSo) {
   ReadOptions options;
-  options.x3d_two_sided = true;
+  options.two_sided = true;
   const auto sides = [](const LoadedScene& loaded) { return loaded.scene.materials(0).sides(); };
   EXPECT_EQ(sides(parse_classic(shown(""), "3.3", options)), v1::Material::TWO_SIDED);
   EXPECT_EQ(sides(parse_classic(shown(""), "3.3")), v1::Material::FRONT_ONLY);
