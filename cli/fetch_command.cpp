@@ -75,7 +75,10 @@ class Fetch {
     if (paths_.empty()) paths_ = {name + ".png"};
     AllFailures unwritable;
     for (const auto& path : paths_) {
-      unwritable.attempt([&] { check_writable(frame_path(path, number_in_animation(status))); });
+      unwritable.attempt([&] {
+        check_writable(frame_path(path, number_in_animation(status)));
+        check_alpha(path, AovSet(status.frame().settings().aovs()));
+      });
     }
     unwritable.throw_if_any();
     ProgressDisplay display(progress_style(stderr, options_.quiet || !options_.wait), stderr, "");

@@ -9,10 +9,11 @@ namespace tessera {
 void check_picture_options(const RenderOptions& options, const v1::FrameSettings& settings) {
   crop_window(options, settings);
   if (options.denoise) check_denoisable(settings);
+  if (options.transparent_background) check_shows_light("--transparent-background", settings);
 }
 
 void check_denoisable(const v1::FrameSettings& settings) {
-  check_shows_light(settings);
+  check_shows_light("--denoise", settings);
   if (settings.samples_per_pixel() > 1) return;
   throw usage_error("--denoise: one sample tells nothing of its noise; expected --spp 2 or more");
 }
@@ -35,7 +36,8 @@ bool is_denoised(bool is_asked_for, const JobReport& report, const v1::FrameSett
 void finish_picture(const RenderOptions& options, const v1::FrameSettings& settings,
                     JobResult& result) {
   if (is_denoised(options.denoise, result.report, settings)) denoise(result.film, core_count());
-  if (result.film.aovs() != options.aovs) result.film = result.film.with_only(options.aovs);
+  const AovSet aovs = picture_aovs(options);
+  if (result.film.aovs() != aovs) result.film = result.film.with_only(aovs);
 }
 
 ImageMetadata picture_metadata(const v1::FrameSettings& settings, bool is_denoised,

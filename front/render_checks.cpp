@@ -97,7 +97,10 @@ void check_outputs(const RenderOptions& options) {
   check_distinct(options);
   // The scene has no say in these.
   const OutputSettings output = output_settings(options.scene, {}, options.output);
-  for (const auto& path : paths) check_bits(path, output);
+  for (const auto& path : paths) {
+    check_bits(path, output);
+    check_alpha(path, picture_aovs(options));
+  }
   if (output.color_management) check_color_management(*output.color_management);
 }
 

@@ -140,6 +140,10 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
                        fmt::join(aov_names(), ",")),
            [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); })
       .choices = aov_names();
+  group.add_flag("--transparent-background",
+                 "Leave the background out where the camera sees it, in pictures of formats with "
+                 "alpha, as PNG and EXR; lights and mirrors keep it",
+                 options.transparent_background);
   group.add("--time", "T", "The instant to render, in seconds [the scene's]",
             [&options](const std::string& text) { options.time = parse_number("--time", text); });
   group.add(
@@ -337,6 +341,10 @@ std::vector<std::filesystem::path> picture_paths(const RenderOptions& options) {
   return {std::filesystem::path(options.scene).stem().concat(".png")};
 }
 
+AovSet picture_aovs(const RenderOptions& options) {
+  return options.transparent_background ? options.aovs.with(Aov::alpha) : options.aovs;
+}
+
 std::filesystem::path kept_tiles_path(const RenderOptions& options) {
   return output_place(picture_paths(options).front()).string() + ".tiles";
 }
@@ -399,7 +407,7 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
   const uint32_t looked_at = options.denoise ? denoising_aovs().bits() : 0;
-  asked.set_aovs(options.aovs.bits() | looked_at);
+  asked.set_aovs(picture_aovs(options).bits() | looked_at);
   asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));
@@ -430,11 +438,11 @@ void check_verify(double verify, int workers) {
   throw usage_error("--verify: needs a second worker; expected --workers 2 or more");
 }
 
-void check_shows_light(const v1::FrameSettings& frame) {
+void check_shows_light(std::string_view option, const v1::FrameSettings& frame) {
   if (shows_light(frame.integrator())) return;
-  throw usage_error(fmt::format(
-      "--denoise: is for light; expected --integrator auto, whitted or path beside it, not {}",
-      frame.integrator()));
+  throw usage_error(
+      fmt::format("{}: is for light; expected --integrator auto, whitted or path beside it, not {}",
+                  option, frame.integrator()));
 }
 
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "front/farm_connection.h"
@@ -36,7 +37,8 @@ struct RenderOptions {
   std::optional<std::string> integrator;
   std::optional<uint32_t> max_depth;
   std::optional<v1::IntegratorSettings::Shadows> shadows;
-  AovSet aovs;  ///< asked for in pictures
+  AovSet aovs;  ///< asked for in pictures, beside alpha
+  bool transparent_background = false;
   bool denoise = false;
   bool progressive = false;
   std::optional<PixelRect> crop;
@@ -74,6 +76,9 @@ void add_scene_options(OptionList& list, RenderOptions& options);
 /// folder.
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
 
+/// What pictures hold beside light.
+AovSet picture_aovs(const RenderOptions& options);
+
 /// Where --resume keeps finished tiles: beside the first picture.
 std::filesystem::path kept_tiles_path(const RenderOptions& options);
 
@@ -108,8 +113,8 @@ void check_instant(const RenderOptions& options, bool is_frame);
 /// Throws usage_error where tiles are to be traced twice and so many workers are but one.
 void check_verify(double verify, int workers);
 
-/// Throws usage_error where --denoise would smooth a view in place of light.
-void check_shows_light(const v1::FrameSettings& frame);
+/// Throws usage_error where the option is for light and the frame shows a view in its place.
+void check_shows_light(std::string_view option, const v1::FrameSettings& frame);
 
 /// The part of the frame to render. Throws usage_error where the crop reaches beyond it.
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame);

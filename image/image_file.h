@@ -78,8 +78,12 @@ bool holds_floats(const std::filesystem::path& path);
 /// the ending names: PNG and TIFF have 16.
 void check_bits(const std::filesystem::path& path, const OutputSettings& settings);
 
+/// Throws a usage error where alpha is among them and the format that the ending names has none.
+void check_alpha(const std::filesystem::path& path, AovSet aovs);
+
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
-/// one is made integers by `settings`. What is beside light goes where holds_aovs(). It is encoded
+/// one is made integers by `settings`. What is beside light goes where holds_aovs(). Colours are
+/// multiplied by alpha in files of floats, and are not in others. It is encoded
 /// in memory, then goes through write_output_file. Throws a render error where either fails.
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);

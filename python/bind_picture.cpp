@@ -283,8 +283,9 @@ struct ChannelsOfAov {
 ChannelsOfAov find_channels(const Film& film, const std::string& name) {
   const std::vector<std::string>& names = aov_names();
   const auto found = std::find(names.begin(), names.end(), name);
-  const auto aov = static_cast<Aov>(found - names.begin());
-  if (found == names.end() || !film.aovs().has(aov)) {
+  const bool is_known = found != names.end() || name == "alpha";
+  const Aov aov = name == "alpha" ? Aov::alpha : static_cast<Aov>(found - names.begin());
+  if (!is_known || !film.aovs().has(aov)) {
     const std::vector<std::string> held = names_of(film.aovs());
     if (held.empty()) {
       throw usage_error(
@@ -324,6 +325,8 @@ void bind_picture(py::module_& module) {
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
       .def_property_readonly("aovs",
                              [](const RenderedPicture& p) { return names_of(p.film.aovs()); })
+      .def_property_readonly("has_alpha",
+                             [](const RenderedPicture& p) { return p.film.aovs().has(Aov::alpha); })
       .def_property_readonly("statistics", [](const RenderedPicture& p) { return p.statistics; })
       .def_property_readonly("holes",
                              [](const RenderedPicture& p) {

@@ -152,7 +152,17 @@ class Image:
         are (h, w) uint32, origin (h, w, 8) uint32. Raises UsageError for one that was not rendered."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected the name of an AOV")
-        first, count, is_whole = self._picture.channels_of(named_text("name", name))
+        return self._channels(named_text("name", name))
+
+    @property
+    def alpha(self) -> Optional[Floats]:
+        """The share of each pixel that is not background, read-only: (h, w) float32, by which `linear` is
+        multiplied. None of a picture without a transparent background."""
+        alpha: Optional[Floats] = self._channels("alpha") if self._picture.has_alpha else None
+        return alpha
+
+    def _channels(self, name: str) -> Any:
+        first, count, is_whole = self._picture.channels_of(name)
         values: Any = as_ndarray(self._picture.values)
         if is_whole or not hasattr(values, "strides"):
             return as_ndarray(self._picture.channels(name))

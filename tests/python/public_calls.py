@@ -192,7 +192,8 @@ SMALL = {
         AllHits.__len__ AllHits.__repr__ AllHits.counts Array.__copy__ Array.__deepcopy__ Array.__getitem__
         Array.__len__ Array.__repr__ Array.format Array.shape BaseFarm.__enter__ BaseFarm.__reduce__
         BaseFarm.closed Camera.pose Color.__repr__ Farm.__repr__ Hits.__bool__ Hits.__len__ Hits.__repr__
-        Hits._repr_html_ Hits.shape Image.__copy__ Image.__deepcopy__ Image.__repr__ Image.aovs Image.height
+        Hits._repr_html_ Hits.shape Image.__copy__ Image.__deepcopy__ Image.__repr__ Image.alpha Image.aovs
+        Image.height
         Image.holes Image.linear Image.shape Image.size Image.stats Image.width Instances.__len__
         Instances.transforms Job.__eq__ Job.__hash__ Job.__reduce__ Job.__repr__ Job.farm LocalFarm.__repr__
         Located.__copy__ Located.__deepcopy__ Located.instance Located.name Located.primitive Located.t
