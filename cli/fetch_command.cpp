@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -111,6 +112,10 @@ class Fetch {
   static std::optional<int> number_in_animation(const v1::JobStatus& status) {
     return status.animation() ? std::optional(status.frame().number()) : std::nullopt;
   }
+  /// Whether standard output is for texts.
+  bool prints() const {
+    return !options_.quiet && std::none_of(paths_.begin(), paths_.end(), is_standard_output);
+  }
   FetchedFrame fetch() {
     if (!options_.wait) return fetch_frame(client_, query_, options_.denoise);
     return fetch_frame_through_silence(
@@ -139,7 +144,7 @@ class Fetch {
         if (!failure_) failure_ = error;
         continue;
       }
-      if (options_.quiet || is_part) continue;
+      if (!prints() || is_part) continue;
       say("{}  {}x{}, {} of {} tiles, {} kept from before\n", place.string(), film.width(),
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
@@ -157,9 +162,9 @@ class Fetch {
     const double rate = options_.frames_per_second.value_or(frame_rate_);
     try {
       animations_.write(rate, [&](const AnimationFiles::Whole& file) {
-        write_output_file(file.path.string(), file.bytes);
-        if (options_.quiet) return;
-        if (!file.note.empty()) say_warning(file.note);
+        write_picture(file.path, file.bytes);
+        if (!file.note.empty() && !options_.quiet) say_warning(file.note);
+        if (!prints()) return;
         say("{}  {}, {:.4g} a second\n", file.path.string(), counted(file.frames, "frame"),
             file.frames_per_second);
       });
@@ -205,7 +210,8 @@ void add_fetch_command(CLI::App& app, Action& action) {
           [options](const std::vector<std::string>& paths) {
             options->outputs.assign(paths.begin(), paths.end());
           },
-          "Where to write the picture; the ending names the format. May be given more than once "
+          "Where to write the picture; the ending names the format; '-' and '-.exr' are standard "
+          "output. May be given more than once "
           "[the job's name with .png, in the current folder]")
       ->type_name("FILE")
       ->option_text("FILE")

@@ -27,6 +27,7 @@
 #include "front/render_checks.h"
 #include "front/render_frame.h"
 #include "front/render_options.h"
+#include "front/standard_input.h"
 #include "front/tracing_farm.h"
 #include "image/image_file.h"
 
@@ -109,9 +110,9 @@ class RenderRun {
     const double rate = options_.frames_per_second.value_or(
         scene_frame_rate(options_.scene, scene_.loaded.scene.settings()));
     animations_.write(rate, [&](const AnimationFiles::Whole& file) {
-      write_output_file(file.path.string(), file.bytes);
+      write_picture(file.path, file.bytes);
       if (!file.note.empty() && !options_.quiet) say_warning(file.note);
-      if (options_.quiet || stats_to_standard_output(options_)) return;
+      if (options_.quiet || writes_standard_output(options_)) return;
       say("{}  {}, {:.4g} a second\n", file.path.string(), counted(file.frames, "frame"),
           file.frames_per_second);
     });
@@ -292,7 +293,7 @@ class RenderRun {
          brightness_warnings(rendered.settings(), picture_paths(options_), picture.film, output))
       warnings_.say(warning, frame);
     if (failure) throw *failure;
-    if (!options_.quiet && !stats_to_standard_output(options_)) {
+    if (!options_.quiet && !writes_standard_output(options_)) {
       print_end(picture, statistics, frame);
     }
   }
@@ -348,7 +349,9 @@ void add_render_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("render", "Render a scene file to a picture");
   command->footer(kFooter);
-  command->add_option("SCENE", options->scene, "The scene file; 'tessera info' tells what it holds")
+  command
+      ->add_option("SCENE", options->scene,
+                   "The scene file, or '-' for standard input; 'tessera info' tells what it holds")
       ->required()
       ->type_name("FILE");
   OptionList list;
@@ -356,6 +359,7 @@ void add_render_command(CLI::App& app, Action& action) {
   add_options(*command, list);
   command->callback([options, &action] {
     action = [options] {
+      take_standard_input(options->scene, options->reading);
       catch_interrupts();
       configure_logging(options->quiet ? "off" : "warn", "render");
       return RenderRun(*options).run();

@@ -13,6 +13,7 @@
 #include "front/placement.h"
 #include "front/read_options.h"
 #include "image/animation_file.h"
+#include "image/image_file.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/denoise/denoiser.h"
 #include "renderer/scene/read_camera.h"
@@ -31,8 +32,10 @@ std::string choices(const std::vector<std::string>& names, std::string_view note
 void add_output_file_option(OptionList& list, RenderOptions& options) {
   OptionGroup(list, "Picture")
       .add("-o,--output", "FILE",
-           "Where to write the picture; the ending names the format. May be given more than once "
-           "[SCENE's name with .png, in the current folder]",
+           "Where to write the picture; the ending names the format. '-' is standard output, as "
+           "PNG, "
+           "'-.exr' as EXR and so on. May be given more than once [SCENE's name with .png, in the "
+           "current folder]",
            [&options](const std::string& path) { options.outputs.emplace_back(path); })
       .repeats = true;
 }
@@ -351,13 +354,27 @@ std::filesystem::path kept_tiles_path(const RenderOptions& options) {
 
 bool stats_to_standard_output(const RenderOptions& options) { return options.stats == "-"; }
 
+int64_t pictures_to_standard_output(const RenderOptions& options) {
+  return std::count_if(options.outputs.begin(), options.outputs.end(), is_standard_output);
+}
+
+bool writes_standard_output(const RenderOptions& options) {
+  return stats_to_standard_output(options) || pictures_to_standard_output(options) > 0;
+}
+
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame) {
   std::filesystem::path numbered = path;
   return numbered.replace_extension(fmt::format(".{:04}{}", frame, path.extension().string()));
 }
 
 std::filesystem::path frame_path(const std::filesystem::path& path, std::optional<int> frame) {
-  return frame && !holds_frames(path) ? numbered_path(path, *frame) : path;
+  if (!frame || holds_frames(path)) return path;
+  if (is_standard_output(path)) {
+    throw usage_error(fmt::format(
+        "--output: '{}' is one file; expected '-.apng' or '-.gif', which hold all frames",
+        path.string()));
+  }
+  return numbered_path(path, *frame);
 }
 
 double scene_frame_rate(const std::string& scene_file, const v1::Settings& settings) {

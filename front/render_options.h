@@ -82,13 +82,18 @@ AovSet picture_aovs(const RenderOptions& options);
 /// Where --resume keeps finished tiles: beside the first picture.
 std::filesystem::path kept_tiles_path(const RenderOptions& options);
 
-/// "--stats -": then nothing else is printed there.
+/// "--stats -"
 bool stats_to_standard_output(const RenderOptions& options);
+/// How many of the outputs are standard output.
+int64_t pictures_to_standard_output(const RenderOptions& options);
+/// Whether standard output takes one of them, so that nothing else is printed there.
+bool writes_standard_output(const RenderOptions& options);
 
 /// "dir/name.png" for frame 7 is "dir/name.0007.png".
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame);
 /// Where the picture of a frame goes that was asked for at `path`: to a numbered file, unless one
-/// file holds them all. Nothing: it is no frame of an animation.
+/// file holds them all. Nothing: it is no frame of an animation. Throws usage_error for frames that
+/// would be files of their own in standard output.
 std::filesystem::path frame_path(const std::filesystem::path& path, std::optional<int> frame);
 
 /// How many frames a second the animation has, as the scene says. Throws scene_error where that is

@@ -1,6 +1,7 @@
 #include "image/image_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -56,6 +57,7 @@ constexpr std::array<Format, 15> kFormats{{{"png", "png", false, false, true, tr
 const Format& format_of(const fs::path& path) {
   std::string ending = lower_case(path.extension().string());
   if (!ending.empty()) ending.erase(0, 1);
+  if (path == "-") ending = "png";
   std::vector<std::string> known;
   for (const Format& format : kFormats) {
     if (ending == format.ending) return format;
@@ -275,7 +277,20 @@ void prepare_to_write(const fs::path& path) {
 
 void check_writable(const fs::path& path) {
   if (format_of(path).name) ImageCodec::check_installed();
-  check_output_file(path.string());
+  if (!is_standard_output(path)) return check_output_file(path.string());
+  if (::isatty(STDOUT_FILENO) == 0) return;
+  throw usage_error(
+      fmt::format("'{}': standard output is a terminal; expected a pipe or a file", path.string()));
+}
+
+bool is_standard_output(const fs::path& path) {
+  return !path.has_parent_path() && path.stem() == "-";
+}
+
+void write_picture(const fs::path& path, std::string_view bytes) {
+  if (!is_standard_output(path)) return write_output_file(path.string(), bytes);
+  if (!write_all(STDOUT_FILENO, std::as_bytes(std::span(bytes))))
+    throw render_error(fmt::format("standard output: {}", std::strerror(errno)));
 }
 
 void check_color_management(const ColorManagement& names) {
@@ -348,7 +363,7 @@ std::string encode_image(const fs::path& path, const Film& film, const OutputSet
 
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                  const ImageMetadata& metadata) {
-  write_output_file(path.string(), encode_image(path, film, settings, metadata));
+  write_picture(path, encode_image(path, film, settings, metadata));
 }
 
 FloatImage read_image(const fs::path& path) {
