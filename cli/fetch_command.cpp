@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/all_failures.h"
-#include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "cli/add_options.h"
@@ -24,6 +23,7 @@
 #include "front/job_name.h"
 #include "front/job_orders.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/picture_warnings.h"
 #include "front/render_options.h"
 #include "image/image_file.h"
@@ -124,13 +124,19 @@ class Fetch {
   }
 
   /// The first failure counts; whatever else there is of pictures is written.
-  void write(const FetchedFrame& fetched) {
+  void write(FetchedFrame& fetched) {
     const v1::JobStatus& status = fetched.status;
     const v1::JobFrame& frame = status.frame();
     const JobReport& report = fetched.picture->report;
     const Film& film = fetched.picture->film;
+    RenderedPicture& picture = *fetched.picture;
+    if (exposure_) picture.auto_exposure = exposure_;
     const OutputSettings settings =
-        output_settings(printable(status.name()), frame.output(), options_.output);
+        shown_settings(printable(status.name()), picture, options_.output);
+    if (options_.output.auto_exposure && !exposure_) {
+      exposure_ = settings.exposure;
+      if (!options_.quiet) say(stderr, "exposure chosen: --exposure {:g}\n", *exposure_);
+    }
     for (const auto& path : paths_) {
       const auto place = frame_path(path, number_in_animation(status));
       const bool is_part = status.animation() && holds_frames(path);
@@ -180,6 +186,7 @@ class Fetch {
   v1::JobQuery query_;
   std::vector<std::filesystem::path> paths_;
   AnimationFiles animations_;
+  std::optional<double> exposure_;               ///< as the first picture has chosen it
   double frame_rate_ = kDefaultFramesPerSecond;  ///< as the frames' instants tell it
   std::optional<Error> failure_;
   WarningsOnce warnings_;

@@ -23,6 +23,7 @@
 #include "front/animation_files.h"
 #include "front/load_frame.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/picture_warnings.h"
 #include "front/render_checks.h"
 #include "front/render_frame.h"
@@ -175,7 +176,8 @@ class RenderRun {
     }
     try {
       std::optional<Cancellation> may_end(&interrupted());
-      const RenderedPicture picture = frame.picture(result);
+      RenderedPicture picture = pictured(frame, result);
+      note_exposure(picture);
       // Of several frames each is written to all of its files or to none.
       if (number) may_end.reset();
       write(frame, picture, number);
@@ -184,6 +186,22 @@ class RenderRun {
     }
     if (failure) throw *failure;
     return ExitCode::done;
+  }
+
+  /// With the exposure of an animation's first frame, lest it flicker.
+  RenderedPicture pictured(const FrameRender& frame, JobResult& result) const {
+    RenderedPicture picture = frame.picture(result);
+    if (exposure_) picture.auto_exposure = exposure_;
+    return picture;
+  }
+
+  /// Tells what was chosen, for files that show it.
+  void note_exposure(const RenderedPicture& picture) {
+    const auto paths = picture_paths(options_);
+    const bool is_shown = !std::all_of(paths.begin(), paths.end(), holds_floats);
+    if (!exposure_ && picture.auto_exposure && is_shown && !options_.quiet)
+      say(stderr, "exposure chosen: --exposure {:g}\n", *picture.auto_exposure);
+    exposure_ = picture.auto_exposure;
   }
 
   /// Pictures of fewer samples, each the first ones of the next: jobs of their own, whose tiles are
@@ -196,7 +214,7 @@ class RenderRun {
       JobResult result = trace(pass, number, false);
       if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
       if (result.report.end != JobReport::End::done) return;
-      if (!write_pictures(pass.picture(result), number, true)) pass_samples_ = samples;
+      if (!write_pictures(pictured(pass, result), number, true)) pass_samples_ = samples;
     }
   }
 
@@ -250,7 +268,7 @@ class RenderRun {
   /// What failed: a disk that is full for one may have room for another.
   std::optional<Error> write_pictures(const RenderedPicture& picture, std::optional<int> frame,
                                       bool is_pass = false) {
-    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
+    const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
       failures.attempt([&] {
@@ -288,7 +306,7 @@ class RenderRun {
       write_trace(statistics, frame_path(*options_.trace, frame));
     for (const std::string& warning : report_warnings(picture.report))
       warnings_.say(warning, frame);
-    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
+    const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     for (const std::string& warning :
          brightness_warnings(rendered.settings(), picture_paths(options_), picture.film, output))
       warnings_.say(warning, frame);
@@ -335,8 +353,9 @@ class RenderRun {
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   FrameScene scene_;
   AnimationFiles animations_;
-  double parse_seconds_ = 0;   ///< of what was read for this frame
-  double traced_seconds_ = 0;  ///< the last frame, from its start to its film
+  std::optional<double> exposure_;  ///< as the first picture has chosen it
+  double parse_seconds_ = 0;        ///< of what was read for this frame
+  double traced_seconds_ = 0;       ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
   uint32_t pass_samples_ = 0;  ///< of the picture that there is of this frame; 0: none

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/process.h"
 #include "renderer/denoise/denoiser.h"
+#include "renderer/film/auto_exposure.h"
 
 namespace tessera {
 
@@ -38,6 +39,15 @@ void finish_picture(const RenderOptions& options, const v1::FrameSettings& setti
   if (is_denoised(options.denoise, result.report, settings)) denoise(result.film, core_count());
   const AovSet aovs = picture_aovs(options);
   if (result.film.aovs() != aovs) result.film = result.film.with_only(aovs);
+}
+
+OutputSettings shown_settings(const std::string& scene_file, const RenderedPicture& picture,
+                              const OutputOptions& options) {
+  OutputSettings settings = output_settings(scene_file, picture.output, options);
+  if (options.auto_exposure)
+    settings.exposure =
+        picture.auto_exposure ? *picture.auto_exposure : auto_exposure(picture.film);
+  return settings;
 }
 
 ImageMetadata picture_metadata(const v1::FrameSettings& settings, bool is_denoised,

@@ -423,8 +423,9 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_filter_radius(options.filter_radius);
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
-  const uint32_t looked_at = options.denoise ? denoising_aovs().bits() : 0;
-  asked.set_aovs(picture_aovs(options).bits() | looked_at);
+  AovSet looked_at = options.denoise ? denoising_aovs() : AovSet();
+  if (options.output.auto_exposure) looked_at = looked_at.with(Aov::depth);
+  asked.set_aovs(picture_aovs(options).bits() | looked_at.bits());
   asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));

@@ -30,7 +30,8 @@ std::string read_all() {
     if (count < 0 && errno != EINTR)
       throw scene_error(fmt::format("{}: {}", kName, std::strerror(errno)));
     if (bytes.size() > kMostBytes)
-      throw scene_error(SourcePlace{kName}, "does not end", fmt::format("at most {} bytes", kMostBytes));
+      throw scene_error(SourcePlace{kName}, "does not end",
+                        fmt::format("at most {} bytes", kMostBytes));
   }
 }
 

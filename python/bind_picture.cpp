@@ -19,6 +19,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/rendered_picture.h"
 #include "image/image_file.h"
 #include "metrics/difference.h"
@@ -28,6 +29,7 @@
 #include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/interruptible.h"
+#include "renderer/film/auto_exposure.h"
 #include "renderer/math/encodings.h"
 
 namespace py = pybind11;
@@ -45,7 +47,7 @@ OutputSettings settings_of(const RenderedPicture& picture, const OptionValues& v
   OptionList list;
   add_output_options(list, options);
   for (const auto& [name, value] : values) assign_option(list, name, value);
-  return output_settings("scene", picture.output, options);
+  return shown_settings("scene", picture, options);
 }
 
 constexpr size_t kPixelsBetweenLooks = size_t{1} << 20;
@@ -353,6 +355,10 @@ void bind_picture(py::module_& module) {
              return py::make_tuple(first, count, is_whole);
            })
       .def("with_light", &with_light)
+      .def("auto_exposure",
+           [](const PicturePointer& picture) {
+             return run_abandonably([picture](StopFlag) { return auto_exposure(picture->film); });
+           })
       .def("to_srgb", &to_srgb)
       .def("encode", &encode)
       .def("save", &save);

@@ -168,7 +168,13 @@ class Image:
             return as_ndarray(self._picture.channels(name))
         return values[..., first] if count == 1 else values[..., first:first + count]
 
-    def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+    def auto_exposure(self) -> float:
+        """The stops that bring the picture to middle grey, by the log-average of its luminance without the
+        brightest and darkest tenth; of surfaces alone where there is alpha or one of the AOVs depth and id."""
+        return self._picture.auto_exposure()
+
+    def to_srgb(self, *, exposure: Union[None, float, Literal["auto"]] = None,
+                tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
                 ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
                 ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
@@ -184,7 +190,7 @@ class Image:
         return values
 
     def save(self, *paths: Path, bits: Optional[Literal[8, 16]] = None,
-             exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+             exposure: Union[None, float, Literal["auto"]] = None, tone_map: Optional[ToneMap] = None,
              transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
              ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
              ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
@@ -197,7 +203,8 @@ class Image:
 
         :param bits: of a channel in files of integers, 8 or, for PNG and TIFF, 16; default 8. Files of
             floats (EXR, HDR, PFM) hold the light as it is.
-        :param exposure: stops by which light is made brighter, before all else; default 0.
+        :param exposure: stops by which light is made brighter, before all else; "auto": those of
+            `auto_exposure`; default 0.
         :param tone_map: how light above 1 is shown; default "clamp".
         :param transfer: how light becomes 8-bit numbers; default "srgb".
         :param gamma: of the transfer "gamma"; default 2.2.

@@ -126,6 +126,7 @@ LARGE = {
     "Image._repr_png_": [Large("i = picture(6000)", "i._repr_png_()")],
     "Image.aov": [Large("i = picture(2000, 'all')", "i.aov('origin')", False)],
     "Image.apply": [Large("i = picture(3000, 'all')", "i.apply(lambda light: light)")],
+    "Image.auto_exposure": [Large("i = picture(6000)", "i.auto_exposure()")],
     "Image.from_array": [Large("a = random.integers(0, 256, (4500, 4500, 3), 'u1')", "ts.Image.from_array(a)"),
                          Large("a = random.random((4000, 4000, 3))", "ts.Image.from_array(a)", False)],
     "Image.save": [Large("i = picture(6000)", "i.save(folder + '/x.png')"),
