@@ -10,6 +10,7 @@
 #include "cli/say.h"
 #include "front/placement.h"
 #include "front/read_options.h"
+#include "front/standard_input.h"
 #include "front/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "scenes/formats/read_scene.h"
@@ -68,7 +69,8 @@ void add_convert_command(CLI::App& app, Action& action) {
       "  tessera convert error:glossy glossy.tessera");
   command
       ->add_option("IN", options->input,
-                   fmt::format("The scene to read; or one to make, as NAME:NUMBER, of {}; or "
+                   fmt::format("The scene to read, '-' being standard input; or one to make, as "
+                               "NAME:NUMBER, of {}; or "
                                "error:SCENE, one of `bench error`",
                                fmt::join(generated_scene_names(), ", ")))
       ->required()
@@ -78,7 +80,12 @@ void add_convert_command(CLI::App& app, Action& action) {
   add_place_option(list, options->reading.placements);
   add_read_options(list, options->reading);
   add_options(*command, list);
-  command->callback([options, &action] { action = [options] { return convert(*options); }; });
+  command->callback([options, &action] {
+    action = [options] {
+      take_standard_input(options->input, options->reading);
+      return convert(*options);
+    };
+  });
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -8,7 +9,6 @@
 #include <vector>
 
 #include "base/all_failures.h"
-#include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "cli/add_options.h"
@@ -23,6 +23,7 @@
 #include "front/job_name.h"
 #include "front/job_orders.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/picture_warnings.h"
 #include "front/render_options.h"
 #include "image/image_file.h"
@@ -75,7 +76,10 @@ class Fetch {
     if (paths_.empty()) paths_ = {name + ".png"};
     AllFailures unwritable;
     for (const auto& path : paths_) {
-      unwritable.attempt([&] { check_writable(frame_path(path, number_in_animation(status))); });
+      unwritable.attempt([&] {
+        check_writable(frame_path(path, number_in_animation(status)));
+        check_alpha(path, AovSet(status.frame().settings().aovs()));
+      });
     }
     unwritable.throw_if_any();
     ProgressDisplay display(progress_style(stderr, options_.quiet || !options_.wait), stderr, "");
@@ -108,6 +112,10 @@ class Fetch {
   static std::optional<int> number_in_animation(const v1::JobStatus& status) {
     return status.animation() ? std::optional(status.frame().number()) : std::nullopt;
   }
+  /// Whether standard output is for texts.
+  bool prints() const {
+    return !options_.quiet && std::none_of(paths_.begin(), paths_.end(), is_standard_output);
+  }
   FetchedFrame fetch() {
     if (!options_.wait) return fetch_frame(client_, query_, options_.denoise);
     return fetch_frame_through_silence(
@@ -116,13 +124,19 @@ class Fetch {
   }
 
   /// The first failure counts; whatever else there is of pictures is written.
-  void write(const FetchedFrame& fetched) {
+  void write(FetchedFrame& fetched) {
     const v1::JobStatus& status = fetched.status;
     const v1::JobFrame& frame = status.frame();
     const JobReport& report = fetched.picture->report;
     const Film& film = fetched.picture->film;
+    RenderedPicture& picture = *fetched.picture;
+    if (exposure_) picture.auto_exposure = exposure_;
     const OutputSettings settings =
-        output_settings(printable(status.name()), frame.output(), options_.output);
+        shown_settings(printable(status.name()), picture, options_.output);
+    if (options_.output.auto_exposure && !exposure_) {
+      exposure_ = settings.exposure;
+      if (!options_.quiet) say(stderr, "exposure chosen: --exposure {:g}\n", *exposure_);
+    }
     for (const auto& path : paths_) {
       const auto place = frame_path(path, number_in_animation(status));
       const bool is_part = status.animation() && holds_frames(path);
@@ -136,7 +150,7 @@ class Fetch {
         if (!failure_) failure_ = error;
         continue;
       }
-      if (options_.quiet || is_part) continue;
+      if (!prints() || is_part) continue;
       say("{}  {}x{}, {} of {} tiles, {} kept from before\n", place.string(), film.width(),
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
@@ -154,9 +168,9 @@ class Fetch {
     const double rate = options_.frames_per_second.value_or(frame_rate_);
     try {
       animations_.write(rate, [&](const AnimationFiles::Whole& file) {
-        write_output_file(file.path.string(), file.bytes);
-        if (options_.quiet) return;
-        if (!file.note.empty()) say_warning(file.note);
+        write_picture(file.path, file.bytes);
+        if (!file.note.empty() && !options_.quiet) say_warning(file.note);
+        if (!prints()) return;
         say("{}  {}, {:.4g} a second\n", file.path.string(), counted(file.frames, "frame"),
             file.frames_per_second);
       });
@@ -172,6 +186,7 @@ class Fetch {
   v1::JobQuery query_;
   std::vector<std::filesystem::path> paths_;
   AnimationFiles animations_;
+  std::optional<double> exposure_;               ///< as the first picture has chosen it
   double frame_rate_ = kDefaultFramesPerSecond;  ///< as the frames' instants tell it
   std::optional<Error> failure_;
   WarningsOnce warnings_;
@@ -202,7 +217,8 @@ void add_fetch_command(CLI::App& app, Action& action) {
           [options](const std::vector<std::string>& paths) {
             options->outputs.assign(paths.begin(), paths.end());
           },
-          "Where to write the picture; the ending names the format. May be given more than once "
+          "Where to write the picture; the ending names the format; '-' and '-.exr' are standard "
+          "output. May be given more than once "
           "[the job's name with .png, in the current folder]")
       ->type_name("FILE")
       ->option_text("FILE")

@@ -16,6 +16,7 @@
 #include "front/placement.h"
 #include "front/read_options.h"
 #include "front/render_options.h"
+#include "front/standard_input.h"
 #include "front/texture_decoder.h"
 #include "proto/wire/scene_codec.h"
 #include "renderer/scene/scene_builder.h"
@@ -192,7 +193,12 @@ void add_info_command(CLI::App& app, Action& action) {
   add_read_options(list, options->reading);
   add_options(*command, list);
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([options, &action] { action = [options] { return info(*options); }; });
+  command->callback([options, &action] {
+    action = [options] {
+      take_standard_input(options->scene, options->reading);
+      return info(*options);
+    };
+  });
 }
 
 }  // namespace tessera

@@ -23,10 +23,12 @@
 #include "front/animation_files.h"
 #include "front/load_frame.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/picture_warnings.h"
 #include "front/render_checks.h"
 #include "front/render_frame.h"
 #include "front/render_options.h"
+#include "front/standard_input.h"
 #include "front/tracing_farm.h"
 #include "image/image_file.h"
 
@@ -109,9 +111,9 @@ class RenderRun {
     const double rate = options_.frames_per_second.value_or(
         scene_frame_rate(options_.scene, scene_.loaded.scene.settings()));
     animations_.write(rate, [&](const AnimationFiles::Whole& file) {
-      write_output_file(file.path.string(), file.bytes);
+      write_picture(file.path, file.bytes);
       if (!file.note.empty() && !options_.quiet) say_warning(file.note);
-      if (options_.quiet || stats_to_standard_output(options_)) return;
+      if (options_.quiet || writes_standard_output(options_)) return;
       say("{}  {}, {:.4g} a second\n", file.path.string(), counted(file.frames, "frame"),
           file.frames_per_second);
     });
@@ -174,7 +176,8 @@ class RenderRun {
     }
     try {
       std::optional<Cancellation> may_end(&interrupted());
-      const RenderedPicture picture = frame.picture(result);
+      RenderedPicture picture = pictured(frame, result);
+      note_exposure(picture);
       // Of several frames each is written to all of its files or to none.
       if (number) may_end.reset();
       write(frame, picture, number);
@@ -183,6 +186,22 @@ class RenderRun {
     }
     if (failure) throw *failure;
     return ExitCode::done;
+  }
+
+  /// With the exposure of an animation's first frame, lest it flicker.
+  RenderedPicture pictured(const FrameRender& frame, JobResult& result) const {
+    RenderedPicture picture = frame.picture(result);
+    if (exposure_) picture.auto_exposure = exposure_;
+    return picture;
+  }
+
+  /// Tells what was chosen, for files that show it.
+  void note_exposure(const RenderedPicture& picture) {
+    const auto paths = picture_paths(options_);
+    const bool is_shown = !std::all_of(paths.begin(), paths.end(), holds_floats);
+    if (!exposure_ && picture.auto_exposure && is_shown && !options_.quiet)
+      say(stderr, "exposure chosen: --exposure {:g}\n", *picture.auto_exposure);
+    exposure_ = picture.auto_exposure;
   }
 
   /// Pictures of fewer samples, each the first ones of the next: jobs of their own, whose tiles are
@@ -195,7 +214,7 @@ class RenderRun {
       JobResult result = trace(pass, number, false);
       if (result.report.end == JobReport::End::interrupted) throw interruption(result.report);
       if (result.report.end != JobReport::End::done) return;
-      if (!write_pictures(pass.picture(result), number, true)) pass_samples_ = samples;
+      if (!write_pictures(pictured(pass, result), number, true)) pass_samples_ = samples;
     }
   }
 
@@ -249,7 +268,7 @@ class RenderRun {
   /// What failed: a disk that is full for one may have room for another.
   std::optional<Error> write_pictures(const RenderedPicture& picture, std::optional<int> frame,
                                       bool is_pass = false) {
-    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
+    const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     AllFailures failures;
     for (const auto& path : picture_paths(options_)) {
       failures.attempt([&] {
@@ -287,12 +306,12 @@ class RenderRun {
       write_trace(statistics, frame_path(*options_.trace, frame));
     for (const std::string& warning : report_warnings(picture.report))
       warnings_.say(warning, frame);
-    const OutputSettings output = output_settings(options_.scene, picture.output, options_.output);
+    const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     for (const std::string& warning :
          brightness_warnings(rendered.settings(), picture_paths(options_), picture.film, output))
       warnings_.say(warning, frame);
     if (failure) throw *failure;
-    if (!options_.quiet && !stats_to_standard_output(options_)) {
+    if (!options_.quiet && !writes_standard_output(options_)) {
       print_end(picture, statistics, frame);
     }
   }
@@ -334,8 +353,9 @@ class RenderRun {
   std::shared_ptr<SqliteTileStore> store_;  ///< null: tiles are not kept
   FrameScene scene_;
   AnimationFiles animations_;
-  double parse_seconds_ = 0;   ///< of what was read for this frame
-  double traced_seconds_ = 0;  ///< the last frame, from its start to its film
+  std::optional<double> exposure_;  ///< as the first picture has chosen it
+  double parse_seconds_ = 0;        ///< of what was read for this frame
+  double traced_seconds_ = 0;       ///< the last frame, from its start to its film
   uint64_t peak_worker_bytes_ = 0;
   int frames_written_ = 0;
   uint32_t pass_samples_ = 0;  ///< of the picture that there is of this frame; 0: none
@@ -348,7 +368,9 @@ void add_render_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("render", "Render a scene file to a picture");
   command->footer(kFooter);
-  command->add_option("SCENE", options->scene, "The scene file; 'tessera info' tells what it holds")
+  command
+      ->add_option("SCENE", options->scene,
+                   "The scene file, or '-' for standard input; 'tessera info' tells what it holds")
       ->required()
       ->type_name("FILE");
   OptionList list;
@@ -356,6 +378,7 @@ void add_render_command(CLI::App& app, Action& action) {
   add_options(*command, list);
   command->callback([options, &action] {
     action = [options] {
+      take_standard_input(options->scene, options->reading);
       catch_interrupts();
       configure_logging(options->quiet ? "off" : "warn", "render");
       return RenderRun(*options).run();

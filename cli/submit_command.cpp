@@ -5,7 +5,6 @@
 #include <memory>
 #include <set>
 
-#include "base/file.h"
 #include "base/log.h"
 #include "base/plural.h"
 #include "cli/add_options.h"
@@ -21,11 +20,13 @@
 #include "front/output_settings.h"
 #include "front/picture_warnings.h"
 #include "front/render_options.h"
+#include "front/standard_input.h"
 #include "job/check_job.h"
 #include "job/job_messages.h"
 #include "proto/transport/zmq_transport.h"
 #include "proto/wire/frame.h"
 #include "proto/wire/printable.h"
+#include "scenes/formats/read_scene.h"
 
 namespace tessera {
 namespace {
@@ -48,7 +49,7 @@ struct SubmitOptions {
 
 /// Reads all that is to be rendered.
 SubmittedJob gather(const SubmitOptions& options) {
-  check_input_file(options.render.scene, UINT64_MAX);
+  check_scene_format(options.render.scene, options.render.reading);
   const JobOrder order{options.name, options.priority, options.weight};
   const auto load = [&](int frame) { return load_frame(options.render, frame); };
   const auto warn = [&](const std::string& warning) {
@@ -85,7 +86,7 @@ void add_submit_command(CLI::App& app, Action& action) {
   command->footer(kSubmitFooter);
   command
       ->add_option("SCENE", options->render.scene,
-                   "The scene file; 'tessera info' tells what it holds")
+                   "The scene file, or '-' for standard input; 'tessera info' tells what it holds")
       ->required()
       ->type_name("FILE");
   OptionList list;
@@ -114,7 +115,12 @@ void add_submit_command(CLI::App& app, Action& action) {
       ->group(kGroup);
   command->add_flag("--quiet", options->render.quiet, "Print nothing but the number and errors")
       ->group("Report");
-  command->callback([options, &action] { action = [options] { return submit(*options); }; });
+  command->callback([options, &action] {
+    action = [options] {
+      take_standard_input(options->render.scene, options->render.reading);
+      return submit(*options);
+    };
+  });
 }
 
 }  // namespace tessera

@@ -73,6 +73,10 @@ SubmittedJob gather_job(const RenderOptions& options, const JobOrder& order,
     }
     const JobSpec spec =
         spec_of(options, loaded, options.frames ? std::optional(frame) : std::nullopt);
+    if (options.output.auto_exposure) {
+      throw usage_error(
+          "--exposure auto: a job has no picture yet; expected it at 'tessera fetch', or a number");
+    }
     const v1::Output output = with_options(loaded.scene.settings().output(), options.output);
     if (output_settings(options.scene, output, options.output).color_management) {
       throw usage_error("--ocio-...: no job keeps these; expected them at 'tessera fetch'");

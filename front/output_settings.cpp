@@ -93,9 +93,14 @@ void add_output_options(OptionList& list, OutputOptions& options) {
                        fmt::join(names.begin(), names.end() - 1, ", "), names.back(),
                        names.front());
   };
-  group.add(
-      "--exposure", "STOPS", "Twice the light for each, before all else [the scene's, or 0]",
-      [&options](const std::string& text) { options.exposure = parse_number("--exposure", text); });
+  group.add("--exposure", "STOPS",
+            "Twice the light for each, before all else; 'auto' brings surfaces to middle grey, and "
+            "tells the number; of an animation that of its first frame [the scene's, or 0]",
+            [&options](const std::string& text) {
+              options.auto_exposure = text == "auto";
+              options.exposure.reset();
+              if (!options.auto_exposure) options.exposure = parse_number("--exposure", text);
+            });
   group
       .add("--tone-map", "KIND", of_scene(tone_map_names()),
            [&options](const std::string& text) {

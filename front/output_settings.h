@@ -16,6 +16,7 @@ struct OutputOptions {
   std::optional<std::string> tone_map{}, transfer{};
   std::optional<double> gamma{};     ///< > 0; asks for the gamma curve too
   std::optional<double> exposure{};  ///< stops
+  bool auto_exposure = false;        ///< it is chosen from the finished picture
   int bits = 8;                      ///< of a channel: 8 or 16
   /// OpenColorIO in place of tone map and transfer curve. The view may be "default".
   std::optional<std::string> ocio_view{}, ocio_display{}, ocio_space{}, ocio_input{};

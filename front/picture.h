@@ -3,7 +3,9 @@
 #include <optional>
 #include <string>
 
+#include "front/output_settings.h"
 #include "front/render_options.h"
+#include "front/rendered_picture.h"
 #include "image/image_file.h"
 #include "job/job.h"
 #include "scenes/import/loaded_scene.h"
@@ -28,6 +30,12 @@ bool is_denoised(bool is_asked_for, const JobReport& report, const v1::FrameSett
 /// From what was traced to what was asked for: denoises, and leaves out what only that looked at.
 void finish_picture(const RenderOptions& options, const v1::FrameSettings& settings,
                     JobResult& result);
+
+/// How the picture's numbers are shown: as its scene asks, with the options laid over that. Where
+/// these leave the exposure to the picture and it has none, it is chosen from the film. Throws as
+/// output_settings().
+OutputSettings shown_settings(const std::string& scene_file, const RenderedPicture& picture,
+                              const OutputOptions& options);
 
 /// What the files of that picture tell of its making.
 ImageMetadata picture_metadata(const v1::FrameSettings& settings, bool is_denoised,

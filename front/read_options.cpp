@@ -33,6 +33,11 @@ void add_read_options(OptionList& list, ReadOptions& options) {
   using Texture = ReadOptions::X3dTexture;
   using Up = ReadOptions::Up;
   OptionGroup scene(list, "Scene");
+  scene.add_text(
+      "--format", "NAME",
+      "The format of the scene's own file, such as obj, whatever its name says; standard "
+      "input needs it where the content does not tell [by the ending, or the content]",
+      options.format);
   scene.add("--assets", "DIR",
             "The folder that holds all files which the scene names: pictures, materials, other "
             "scenes [the scene's own]",

@@ -58,17 +58,18 @@ void check_render_options(const RenderOptions& options) {
   if (options.frames_per_second && !options.frames) {
     throw usage_error("--fps: is for the frames of an animation; expected --frames beside it");
   }
-  if (options.scene == "-") {
-    throw usage_error("SCENE: '-'; expected a file: standard input is not read");
+  if (pictures_to_standard_output(options) == 0) return;
+  if (pictures_to_standard_output(options) > 1 || stats_to_standard_output(options)) {
+    throw usage_error("--output: standard output is given twice; expected one file there");
   }
-  for (const auto& path : options.outputs) {
-    if (path != "-") continue;
-    throw usage_error("--output: '-'; expected a file: no picture goes to standard output");
+  if (options.progressive || options.resume) {
+    throw usage_error(fmt::format("{}: keeps what is done in files; expected no '-o -'",
+                                  options.progressive ? "--progressive" : "--resume"));
   }
 }
 
 void check_outputs(const RenderOptions& options) {
-  check_scene_format(options.scene, options.reading.format);
+  check_scene_format(options.scene, options.reading);
   const auto paths = picture_paths(options);
   if (!options.aovs.empty() && std::none_of(paths.begin(), paths.end(), holds_aovs)) {
     throw usage_error(fmt::format(
@@ -97,7 +98,10 @@ void check_outputs(const RenderOptions& options) {
   check_distinct(options);
   // The scene has no say in these.
   const OutputSettings output = output_settings(options.scene, {}, options.output);
-  for (const auto& path : paths) check_bits(path, output);
+  for (const auto& path : paths) {
+    check_bits(path, output);
+    check_alpha(path, picture_aovs(options));
+  }
   if (output.color_management) check_color_management(*output.color_management);
 }
 

@@ -7,6 +7,7 @@
 #include "front/output_settings.h"
 #include "front/picture.h"
 #include "proto/wire/scene_codec.h"
+#include "renderer/film/auto_exposure.h"
 
 namespace tessera {
 
@@ -65,13 +66,16 @@ std::optional<Error> FrameRender::failure(const JobReport& report) const {
 }
 
 RenderedPicture FrameRender::picture(JobResult& result) const {
+  std::optional<double> exposure;
+  if (options_->output.auto_exposure) exposure = auto_exposure(result.film);
   finish_picture(*options_, settings_, result);
   ImageMetadata metadata = picture_metadata(
       settings_, is_denoised(options_->denoise, result.report, settings_), output_, scene_digest_);
   return {.film = std::move(result.film),
           .output = output_,
           .metadata = std::move(metadata),
-          .report = std::move(result.report)};
+          .report = std::move(result.report),
+          .auto_exposure = exposure};
 }
 
 FrameStatistics FrameRender::statistics(const RenderedPicture& picture, const PhaseSeconds& seconds,

@@ -13,6 +13,7 @@
 #include "front/placement.h"
 #include "front/read_options.h"
 #include "image/animation_file.h"
+#include "image/image_file.h"
 #include "renderer/accel/make_accelerator.h"
 #include "renderer/denoise/denoiser.h"
 #include "renderer/scene/read_camera.h"
@@ -31,8 +32,10 @@ std::string choices(const std::vector<std::string>& names, std::string_view note
 void add_output_file_option(OptionList& list, RenderOptions& options) {
   OptionGroup(list, "Picture")
       .add("-o,--output", "FILE",
-           "Where to write the picture; the ending names the format. May be given more than once "
-           "[SCENE's name with .png, in the current folder]",
+           "Where to write the picture; the ending names the format. '-' is standard output, as "
+           "PNG, "
+           "'-.exr' as EXR and so on. May be given more than once [SCENE's name with .png, in the "
+           "current folder]",
            [&options](const std::string& path) { options.outputs.emplace_back(path); })
       .repeats = true;
 }
@@ -140,6 +143,10 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
                        fmt::join(aov_names(), ",")),
            [&options](const std::string& text) { options.aovs = parse_aovs("--aovs", text); })
       .choices = aov_names();
+  group.add_flag("--transparent-background",
+                 "Leave the background out where the camera sees it, in pictures of formats with "
+                 "alpha, as PNG and EXR; lights and mirrors keep it",
+                 options.transparent_background);
   group.add("--time", "T", "The instant to render, in seconds [the scene's]",
             [&options](const std::string& text) { options.time = parse_number("--time", text); });
   group.add(
@@ -337,11 +344,23 @@ std::vector<std::filesystem::path> picture_paths(const RenderOptions& options) {
   return {std::filesystem::path(options.scene).stem().concat(".png")};
 }
 
+AovSet picture_aovs(const RenderOptions& options) {
+  return options.transparent_background ? options.aovs.with(Aov::alpha) : options.aovs;
+}
+
 std::filesystem::path kept_tiles_path(const RenderOptions& options) {
   return output_place(picture_paths(options).front()).string() + ".tiles";
 }
 
 bool stats_to_standard_output(const RenderOptions& options) { return options.stats == "-"; }
+
+int64_t pictures_to_standard_output(const RenderOptions& options) {
+  return std::count_if(options.outputs.begin(), options.outputs.end(), is_standard_output);
+}
+
+bool writes_standard_output(const RenderOptions& options) {
+  return stats_to_standard_output(options) || pictures_to_standard_output(options) > 0;
+}
 
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame) {
   std::filesystem::path numbered = path;
@@ -349,7 +368,13 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int frame
 }
 
 std::filesystem::path frame_path(const std::filesystem::path& path, std::optional<int> frame) {
-  return frame && !holds_frames(path) ? numbered_path(path, *frame) : path;
+  if (!frame || holds_frames(path)) return path;
+  if (is_standard_output(path)) {
+    throw usage_error(fmt::format(
+        "--output: '{}' is one file; expected '-.apng' or '-.gif', which hold all frames",
+        path.string()));
+  }
+  return numbered_path(path, *frame);
 }
 
 double scene_frame_rate(const std::string& scene_file, const v1::Settings& settings) {
@@ -398,8 +423,9 @@ v1::FrameSettings frame_settings(const RenderOptions& options, const v1::Scene& 
   asked.set_filter_radius(options.filter_radius);
   asked.set_seed(options.seed.value_or(settings.sampling().seed()));
   asked.set_integrator(options.integrator.value_or(""));
-  const uint32_t looked_at = options.denoise ? denoising_aovs().bits() : 0;
-  asked.set_aovs(options.aovs.bits() | looked_at);
+  AovSet looked_at = options.denoise ? denoising_aovs() : AovSet();
+  if (options.output.auto_exposure) looked_at = looked_at.with(Aov::depth);
+  asked.set_aovs(picture_aovs(options).bits() | looked_at.bits());
   asked.set_accelerator(options.accelerator.value_or(""));
   if (options.camera) check_camera(*options.camera, scene);
   asked.set_camera(options.camera.value_or(""));
@@ -430,11 +456,11 @@ void check_verify(double verify, int workers) {
   throw usage_error("--verify: needs a second worker; expected --workers 2 or more");
 }
 
-void check_shows_light(const v1::FrameSettings& frame) {
+void check_shows_light(std::string_view option, const v1::FrameSettings& frame) {
   if (shows_light(frame.integrator())) return;
-  throw usage_error(fmt::format(
-      "--denoise: is for light; expected --integrator auto, whitted or path beside it, not {}",
-      frame.integrator()));
+  throw usage_error(
+      fmt::format("{}: is for light; expected --integrator auto, whitted or path beside it, not {}",
+                  option, frame.integrator()));
 }
 
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame) {

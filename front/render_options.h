@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "front/farm_connection.h"
@@ -36,7 +37,8 @@ struct RenderOptions {
   std::optional<std::string> integrator;
   std::optional<uint32_t> max_depth;
   std::optional<v1::IntegratorSettings::Shadows> shadows;
-  AovSet aovs;  ///< asked for in pictures
+  AovSet aovs;  ///< asked for in pictures, beside alpha
+  bool transparent_background = false;
   bool denoise = false;
   bool progressive = false;
   std::optional<PixelRect> crop;
@@ -74,16 +76,24 @@ void add_scene_options(OptionList& list, RenderOptions& options);
 /// folder.
 std::vector<std::filesystem::path> picture_paths(const RenderOptions& options);
 
+/// What pictures hold beside light.
+AovSet picture_aovs(const RenderOptions& options);
+
 /// Where --resume keeps finished tiles: beside the first picture.
 std::filesystem::path kept_tiles_path(const RenderOptions& options);
 
-/// "--stats -": then nothing else is printed there.
+/// "--stats -"
 bool stats_to_standard_output(const RenderOptions& options);
+/// How many of the outputs are standard output.
+int64_t pictures_to_standard_output(const RenderOptions& options);
+/// Whether standard output takes one of them, so that nothing else is printed there.
+bool writes_standard_output(const RenderOptions& options);
 
 /// "dir/name.png" for frame 7 is "dir/name.0007.png".
 std::filesystem::path numbered_path(const std::filesystem::path& path, int frame);
 /// Where the picture of a frame goes that was asked for at `path`: to a numbered file, unless one
-/// file holds them all. Nothing: it is no frame of an animation.
+/// file holds them all. Nothing: it is no frame of an animation. Throws usage_error for frames that
+/// would be files of their own in standard output.
 std::filesystem::path frame_path(const std::filesystem::path& path, std::optional<int> frame);
 
 /// How many frames a second the animation has, as the scene says. Throws scene_error where that is
@@ -108,8 +118,8 @@ void check_instant(const RenderOptions& options, bool is_frame);
 /// Throws usage_error where tiles are to be traced twice and so many workers are but one.
 void check_verify(double verify, int workers);
 
-/// Throws usage_error where --denoise would smooth a view in place of light.
-void check_shows_light(const v1::FrameSettings& frame);
+/// Throws usage_error where the option is for light and the frame shows a view in its place.
+void check_shows_light(std::string_view option, const v1::FrameSettings& frame);
 
 /// The part of the frame to render. Throws usage_error where the crop reaches beyond it.
 PixelRect crop_window(const RenderOptions& options, const v1::FrameSettings& frame);

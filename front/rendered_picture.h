@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "image/image_file.h"
@@ -16,7 +17,8 @@ struct RenderedPicture {
   v1::Output output;  ///< what the scene asks of its numbers
   ImageMetadata metadata{};
   JobReport report{};
-  std::string statistics{};  ///< as `--stats` writes; empty: of no render
+  std::string statistics{};               ///< as `--stats` writes; empty: of no render
+  std::optional<double> auto_exposure{};  ///< stops; chosen where it was asked for
 };
 
 }  // namespace tessera

@@ -1,12 +1,14 @@
 #include "image/image_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include "base/core_count.h"
@@ -33,19 +35,20 @@ struct Format {
   bool is_float;
   bool has_channels = false;  ///< as many as there are, with names
   bool holds_16_bits = false;
+  bool holds_alpha = false;
 };
 
-constexpr std::array<Format, 15> kFormats{{{"png", "png", false, false, true},
-                                           {"apng", "png", false, false, true},
-                                           {"exr", "openexr", true, true},
+constexpr std::array<Format, 15> kFormats{{{"png", "png", false, false, true, true},
+                                           {"apng", "png", false, false, true, true},
+                                           {"exr", "openexr", true, true, false, true},
                                            {"jpg", "jpeg", false},
                                            {"jpeg", "jpeg", false},
                                            {"bmp", "bmp", false},
-                                           {"tif", "tiff", false, false, true},
-                                           {"tiff", "tiff", false, false, true},
-                                           {"tga", "targa", false},
+                                           {"tif", "tiff", false, false, true, true},
+                                           {"tiff", "tiff", false, false, true, true},
+                                           {"tga", "targa", false, false, false, true},
                                            {"ppm", "pnm", false},
-                                           {"webp", "webp", false},
+                                           {"webp", "webp", false, false, false, true},
                                            {"hdr", "hdr", true},
                                            {"pfm", nullptr, true},
                                            {"gif", "gif", false},
@@ -54,6 +57,7 @@ constexpr std::array<Format, 15> kFormats{{{"png", "png", false, false, true},
 const Format& format_of(const fs::path& path) {
   std::string ending = lower_case(path.extension().string());
   if (!ending.empty()) ending.erase(0, 1);
+  if (path == "-") ending = "png";
   std::vector<std::string> known;
   for (const Format& format : kFormats) {
     if (ending == format.ending) return format;
@@ -66,6 +70,15 @@ const Format& format_of(const fs::path& path) {
   throw usage_error(
       fmt::format("{}: '{}' is no image format that can be written; expected one of {}{}",
                   path.string(), ending, fmt::join(known, ", "), suggestion(ending, known)));
+}
+
+/// ".png, .exr" of the formats that have it.
+std::string endings_with(bool Format::*has) {
+  std::vector<std::string> endings;
+  for (const Format& format : kFormats) {
+    if (format.*has) endings.push_back(fmt::format(".{}", format.ending));
+  }
+  return fmt::format("{}", fmt::join(endings, ", "));
 }
 
 /// Portable float map: little-endian floats, rows from the bottom.
@@ -128,6 +141,32 @@ auto shown(const Film& film, const OutputSettings& settings, const Quantize& qua
                   {.transfer = TransferCurve::display, .quantization = settings.quantization});
 }
 
+/// The same of a film with alpha and nothing else beside its light. Of colours those are shown that
+/// alpha is the share of; the curves leave alpha alone.
+template <typename Quantize>
+auto shown_before_anything(const Film& film, const OutputSettings& settings,
+                           const Quantize& quantize) {
+  constexpr size_t kChannels = kFilmChannels + 1;
+  const std::span<const float> values = film.values();
+  Film unassociated(film.rect());
+  float* to = unassociated.values().data();
+  for (size_t pixel = 0; pixel < values.size(); pixel += kChannels) {
+    const float alpha = values[pixel + kFilmChannels];
+    for (size_t i = 0; i < kFilmChannels; ++i) *to++ = alpha > 0 ? values[pixel + i] / alpha : 0;
+  }
+  const auto colors = shown(unassociated, settings, quantize);
+  using Integer = typename decltype(colors)::value_type;
+  std::vector<Integer> result(values.size());
+  auto color = colors.begin();
+  for (size_t pixel = 0; pixel < result.size(); pixel += kChannels, color += kFilmChannels) {
+    std::copy_n(color, kFilmChannels, &result[pixel]);
+    const float alpha = std::clamp(values[pixel + kFilmChannels], 0.0f, 1.0f);
+    result[pixel + kFilmChannels] =
+        static_cast<Integer>(alpha * std::numeric_limits<Integer>::max() + 0.5f);
+  }
+  return result;
+}
+
 BlobData encode(const Format& format, const Film& film, const OutputSettings& settings,
                 const ImageMetadata& metadata) {
   ImageRequest request;
@@ -150,8 +189,11 @@ BlobData encode(const Format& format, const Film& film, const OutputSettings& se
     return ImageCodec::shared().call(request, as_text(std::as_bytes(std::span(values)))).payload;
   };
   if (format.is_float) return encoded(film.values());
-  if (settings.bits == 16) return encoded(shown(film, settings, to_16_bit));
-  return encoded(shown(film, settings, to_8_bit));
+  const auto as_integers = [&](const auto& quantize) {
+    return encoded(film.aovs().empty() ? shown(film, settings, quantize)
+                                       : shown_before_anything(film, settings, quantize));
+  };
+  return settings.bits == 16 ? as_integers(to_16_bit) : as_integers(to_8_bit);
 }
 
 /// The file in memory that the codec can be handed, and its format.
@@ -253,7 +295,20 @@ void prepare_to_write(const fs::path& path) {
 
 void check_writable(const fs::path& path) {
   if (format_of(path).name) ImageCodec::check_installed();
-  check_output_file(path.string());
+  if (!is_standard_output(path)) return check_output_file(path.string());
+  if (::isatty(STDOUT_FILENO) == 0) return;
+  throw usage_error(
+      fmt::format("'{}': standard output is a terminal; expected a pipe or a file", path.string()));
+}
+
+bool is_standard_output(const fs::path& path) {
+  return !path.has_parent_path() && path.stem() == "-";
+}
+
+void write_picture(const fs::path& path, std::string_view bytes) {
+  if (!is_standard_output(path)) return write_output_file(path.string(), bytes);
+  if (!write_all(STDOUT_FILENO, std::as_bytes(std::span(bytes))))
+    throw render_error(fmt::format("standard output: {}", std::strerror(errno)));
 }
 
 void check_color_management(const ColorManagement& names) {
@@ -290,20 +345,23 @@ bool holds_floats(const fs::path& path) { return format_of(path).is_float; }
 void check_bits(const fs::path& path, const OutputSettings& settings) {
   const Format& format = format_of(path);
   if (settings.bits == 8 || format.is_float || format.holds_16_bits) return;
-  std::vector<std::string> holding;
-  for (const Format& each : kFormats) {
-    if (each.holds_16_bits) holding.push_back(fmt::format(".{}", each.ending));
-  }
   throw usage_error(fmt::format("--bits {}: '{}' holds 8; expected one of {}", settings.bits,
-                                path.string(), fmt::join(holding, ", ")));
+                                path.string(), endings_with(&Format::holds_16_bits)));
+}
+
+void check_alpha(const fs::path& path, AovSet aovs) {
+  if (!aovs.has(Aov::alpha) || format_of(path).holds_alpha) return;
+  throw usage_error(fmt::format("--transparent-background: '{}' holds no alpha; expected one of {}",
+                                path.string(), endings_with(&Format::holds_alpha)));
 }
 
 std::string encode_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                          const ImageMetadata& metadata) {
   const Format& format = format_of(path);
   check_bits(path, settings);
-  if (!film.aovs().empty() && !format.has_channels) {
-    return encode_image(path, film.with_only({}), settings, metadata);
+  check_alpha(path, film.aovs());
+  if (const AovSet held = film.aovs().only_alpha(); film.aovs() != held && !format.has_channels) {
+    return encode_image(path, film.with_only(held), settings, metadata);
   }
   if (!format.name) return encode_pfm(film);
   // Its numbers have 16 bits, and what does not fit would be cut off without a word.
@@ -324,7 +382,7 @@ std::string encode_image(const fs::path& path, const Film& film, const OutputSet
 
 void write_image(const fs::path& path, const Film& film, const OutputSettings& settings,
                  const ImageMetadata& metadata) {
-  write_output_file(path.string(), encode_image(path, film, settings, metadata));
+  write_picture(path, encode_image(path, film, settings, metadata));
 }
 
 FloatImage read_image(const fs::path& path) {

@@ -60,8 +60,12 @@ void prepare_to_write(const std::filesystem::path& path);
 /// Whether that takes but a few milliseconds, and little memory.
 bool is_quickly_prepared(const std::filesystem::path& path);
 
+/// Whether a picture to `path` goes to standard output: "-" for PNG, or "-.exr" and the like.
+bool is_standard_output(const std::filesystem::path& path);
+
 /// Throws a usage error now for what write_image could not do later: an ending that is no format, a
-/// folder that is missing or not writable, a path that is no regular file. Leaves nothing behind.
+/// folder that is missing or not writable, a path that is no regular file, standard output where it
+/// is a terminal. Leaves nothing behind.
 void check_writable(const std::filesystem::path& path);
 
 /// Throws a usage error where $OCIO names no configuration that can be read, or none that knows the
@@ -82,11 +86,18 @@ bool holds_floats(const std::filesystem::path& path);
 /// the ending names: PNG and TIFF have 16.
 void check_bits(const std::filesystem::path& path, const OutputSettings& settings);
 
+/// Throws a usage error where alpha is among them and the format that the ending names has none.
+void check_alpha(const std::filesystem::path& path, AovSet aovs);
+
 /// Writes the format that the ending names: exr, hdr and pfm take the linear values, every other
-/// one is made integers by `settings`. What is beside light goes where holds_aovs(). It is encoded
-/// in memory, then goes through write_output_file. Throws a render error where either fails.
+/// one is made integers by `settings`. What is beside light goes where holds_aovs(). Colours are
+/// multiplied by alpha in files of floats, and are not in others. It is encoded
+/// in memory, then goes through write_picture. Throws a render error where either fails.
 void write_image(const std::filesystem::path& path, const Film& film,
                  const OutputSettings& settings, const ImageMetadata& metadata);
+
+/// Writes the bytes of a picture's file to `path`, by write_output_file, or to standard output.
+void write_picture(const std::filesystem::path& path, std::string_view bytes);
 
 /// The bytes of the file that write_image would write to `path`.
 std::string encode_image(const std::filesystem::path& path, const Film& film,

@@ -12,7 +12,7 @@ namespace {
 void check_aovs(const JobSpec& spec) {
   if (!AovSet::knows(spec.frame.aovs())) {
     throw usage_error(fmt::format("AOVs of the bits {:#x}; expected some of {:#x}",
-                                  spec.frame.aovs(), AovSet::all().bits()));
+                                  spec.frame.aovs(), AovSet(~uint32_t{0}).bits()));
   }
   const int channels = AovSet(spec.frame.aovs()).channels();
   if (channels == kFilmChannels) return;

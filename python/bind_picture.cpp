@@ -20,6 +20,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/rendered_picture.h"
 #include "image/image_file.h"
 #include "metrics/difference.h"
@@ -29,6 +30,7 @@
 #include "python/array_source.h"
 #include "python/bindings.h"
 #include "python/interruptible.h"
+#include "renderer/film/auto_exposure.h"
 #include "renderer/math/encodings.h"
 
 namespace py = pybind11;
@@ -46,7 +48,7 @@ OutputSettings settings_of(const RenderedPicture& picture, const OptionValues& v
   OptionList list;
   add_output_options(list, options);
   for (const auto& [name, value] : values) assign_option(list, name, value);
-  return output_settings("scene", picture.output, options);
+  return shown_settings("scene", picture, options);
 }
 
 constexpr size_t kPixelsBetweenLooks = size_t{1} << 20;
@@ -285,8 +287,9 @@ struct ChannelsOfAov {
 ChannelsOfAov find_channels(const Film& film, const std::string& name) {
   const std::vector<std::string>& names = aov_names();
   const auto found = std::find(names.begin(), names.end(), name);
-  const auto aov = static_cast<Aov>(found - names.begin());
-  if (found == names.end() || !film.aovs().has(aov)) {
+  const bool is_known = found != names.end() || name == "alpha";
+  const Aov aov = name == "alpha" ? Aov::alpha : static_cast<Aov>(found - names.begin());
+  if (!is_known || !film.aovs().has(aov)) {
     const std::vector<std::string> held = names_of(film.aovs());
     if (held.empty()) {
       throw usage_error(
@@ -326,6 +329,8 @@ void bind_picture(py::module_& module) {
       .def_property_readonly("height", [](const RenderedPicture& p) { return p.film.height(); })
       .def_property_readonly("aovs",
                              [](const RenderedPicture& p) { return names_of(p.film.aovs()); })
+      .def_property_readonly("has_alpha",
+                             [](const RenderedPicture& p) { return p.film.aovs().has(Aov::alpha); })
       .def_property_readonly("statistics", [](const RenderedPicture& p) { return p.statistics; })
       .def_property_readonly("holes",
                              [](const RenderedPicture& p) {
@@ -352,6 +357,10 @@ void bind_picture(py::module_& module) {
              return py::make_tuple(first, count, is_whole);
            })
       .def("with_light", &with_light)
+      .def("auto_exposure",
+           [](const PicturePointer& picture) {
+             return run_abandonably([picture](StopFlag) { return auto_exposure(picture->film); });
+           })
       .def("to_srgb", &to_srgb)
       .def("encode", &encode)
       .def("save", &save);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/render_frame.h"
 #include "image/image_file.h"
 #include "proto/wire/scene_codec.h"
@@ -70,7 +71,7 @@ FrameFinished finish_frame(const FinishFrame& order, const Folder& folder) {
         // Found now rather than after the last frame.
         if (goal.is_first_frame && !goal.force) folder.start(each);
         goal.animations->add(each, picture.film,
-                             output_settings(options.scene, picture.output, options.output),
+                             shown_settings(options.scene, picture, options.output),
                              picture.metadata);
       });
       continue;
@@ -78,8 +79,7 @@ FrameFinished finish_frame(const FinishFrame& order, const Folder& folder) {
     const std::string name = name_of_frame(each, goal.number);
     write_one(name, [&] {
       return encode_image(name, picture.film,
-                          output_settings(options.scene, picture.output, options.output),
-                          picture.metadata);
+                          shown_settings(options.scene, picture, options.output), picture.metadata);
     });
   }
   if (goal.statistics && !goal.names.empty()) {

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "front/output_settings.h"
+#include "front/picture.h"
 #include "front/render_frame.h"
 #include "studio/files/file_kind.h"
 #include "studio/files/file_name.h"
@@ -338,11 +339,10 @@ std::optional<ExportFile> RenderQueue::picture(uint64_t number) const {
   const auto at = jobs_.find(number);
   if (at == jobs_.end() || !at->second.picture) return std::nullopt;
   const Job& job = at->second;
-  return ExportFile{
-      .frame = job.frame,
-      .picture = job.picture,
-      .output = output_settings(job.options->scene, job.picture->output, job.options->output),
-      .goal = {}};
+  return ExportFile{.frame = job.frame,
+                    .picture = job.picture,
+                    .output = shown_settings(job.options->scene, *job.picture, job.options->output),
+                    .goal = {}};
 }
 
 }  // namespace tessera

@@ -59,7 +59,8 @@ struct ColorNames {
 /// decode comes as the descriptor of sealed memory instead: the codec opens no file by itself.
 struct ImageRequest {
   enum Call : uint32_t {
-    encode,      ///< payload: pixels, 3 channels or those named; the reply: the file's bytes
+    encode,      ///< payload: pixels, 3 channels, 4 with alpha or those named, colours multiplied
+                 ///< by alpha if they are floats; the reply: the file's bytes
     decode_all,  ///< of a file: all channels as floats and their names
     decode,      ///< of a file: its color_channels_of() in the fewest bits that hold them, and the
                  ///< names of the other channels
@@ -72,7 +73,7 @@ struct ImageRequest {
   PixelLayout layout;    ///< encode, convert_colors
   ImageWindow window;    ///< encode
   ImageAttributes attributes;
-  char channel_names[256] = {};  ///< encode: separated by commas; empty: red, green, blue
+  char channel_names[256] = {};  ///< encode: separated by commas; empty: R, G, B, A
   ColorNames colors;             ///< convert_colors
   uint32_t to_srgb = 0;          ///< decode: an embedded colour profile is heeded
   uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory

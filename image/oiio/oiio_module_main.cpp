@@ -92,6 +92,7 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
       fail_image("the channels do not fit their names");
     }
   }
+  if (!is_float) spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
   for (const auto& [name, text] : image_texts(request.attributes)) {
     spec.attribute(name == "Description" ? "ImageDescription" : name, text);

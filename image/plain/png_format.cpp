@@ -130,17 +130,25 @@ Octets deflated_alone(const Octets& bytes, bool is_last) {
   return out;
 }
 
-/// The data of an RGB image (RFC 1950) in parts, which several threads make.
-std::vector<Octets> deflated(std::span<const char> pixels, size_t row_bytes, int bits) {
+/// Of pixels that the layout is of.
+auto filter_of(const PixelLayout& layout) {
+  const bool is_wide = layout.bits == 16;
+  if (layout.channels == 4) return is_wide ? filtered<8> : filtered<4>;
+  return is_wide ? filtered<6> : filtered<3>;
+}
+
+/// The data of an image (RFC 1950) in parts, which several threads make.
+std::vector<Octets> deflated(std::span<const char> pixels, const PixelLayout& layout) {
   constexpr size_t kPartBytes = size_t{64} << 10;
-  const size_t height = pixels.size() / row_bytes;
+  const auto height = static_cast<size_t>(layout.height);
+  const size_t row_bytes = pixels.size() / height;
   const size_t rows = std::max<size_t>(1, kPartBytes / row_bytes);
   const size_t count = (height + rows - 1) / rows;
   std::vector<Octets> parts(count);
   std::vector<uLong> sums(count), sizes(count);
   for_all(count, [&](size_t i) {
-    const auto filter = bits == 16 ? filtered<6> : filtered<3>;
-    const Octets bytes = filter(pixels, row_bytes, i * rows, std::min(height, (i + 1) * rows));
+    const Octets bytes =
+        filter_of(layout)(pixels, row_bytes, i * rows, std::min(height, (i + 1) * rows));
     sizes[i] = static_cast<uLong>(bytes.size());
     sums[i] = adler32(1, bytes.data(), static_cast<uInt>(bytes.size()));
     parts[i] = deflated_alone(bytes, i + 1 == count);
@@ -239,13 +247,15 @@ float png_gamma(std::span<const char> file) {
 std::optional<ImageAnswer> encode_png(const ImageRequest& request, std::span<const char> pixels) {
   const PixelLayout& layout = request.layout;
   const bool fits = std::string_view(request.format) == "png" && layout.is_legal() &&
-                    layout.channels == 3 && layout.bits <= 16 && layout.bytes() == pixels.size();
+                    (layout.channels == 3 || layout.channels == 4) && layout.bits <= 16 &&
+                    layout.bytes() == pixels.size();
   if (!fits) return std::nullopt;
   const Png png(false);
   ImageAnswer answer;
   png_set_write_fn(png.get(), &answer.payload, write_bytes, flush);
   png_set_IHDR(png.get(), png.info(), static_cast<png_uint_32>(layout.width),
-               static_cast<png_uint_32>(layout.height), layout.bits, PNG_COLOR_TYPE_RGB,
+               static_cast<png_uint_32>(layout.height), layout.bits,
+               layout.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(png.get(), png.info(), PNG_sRGB_INTENT_ABSOLUTE);
   if (request.window.x != 0 || request.window.y != 0) {
@@ -256,8 +266,7 @@ std::optional<ImageAnswer> encode_png(const ImageRequest& request, std::span<con
   // Not by png_write_row(), which has one thread for all of it, nor then by png_write_end().
   std::vector<char> swapped;
   if (layout.bits == 16) pixels = swapped = high_bytes_first(pixels);
-  const size_t row_bytes = pixels.size() / static_cast<size_t>(layout.height);
-  for (const auto& part : deflated(pixels, row_bytes, layout.bits))
+  for (const auto& part : deflated(pixels, layout))
     png_write_chunk(png.get(), reinterpret_cast<png_const_bytep>("IDAT"), part.data(), part.size());
   png_write_chunk(png.get(), reinterpret_cast<png_const_bytep>("IEND"), nullptr, 0);
   return answer;

@@ -75,7 +75,7 @@ class Farm(BaseFarm):
                seed: Optional[int] = None, integrator: Optional[Integrator] = None,
                max_depth: Optional[int] = None, shadows: Optional[Shadows] = None,
                accel: Optional[Accelerator] = None, aovs: Aovs = (),
-               time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
+               transparent_background: bool = False, time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
                assets: Optional[Path] = None, environment: Optional[Path] = None, up: Optional[Up] = None,
                two_sided: bool = False, x3d_color: Optional[X3dColor] = None,
                x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,

@@ -152,13 +152,29 @@ class Image:
         are (h, w) uint32, origin (h, w, 8) uint32. Raises UsageError for one that was not rendered."""
         if not isinstance(name, str):
             raise TypeError(f"name: {name!r:.100}; expected the name of an AOV")
-        first, count, is_whole = self._picture.channels_of(named_text("name", name))
+        return self._channels(named_text("name", name))
+
+    @property
+    def alpha(self) -> Optional[Floats]:
+        """The share of each pixel that is not background, read-only: (h, w) float32, by which `linear` is
+        multiplied. None of a picture without a transparent background."""
+        alpha: Optional[Floats] = self._channels("alpha") if self._picture.has_alpha else None
+        return alpha
+
+    def _channels(self, name: str) -> Any:
+        first, count, is_whole = self._picture.channels_of(name)
         values: Any = as_ndarray(self._picture.values)
         if is_whole or not hasattr(values, "strides"):
             return as_ndarray(self._picture.channels(name))
         return values[..., first] if count == 1 else values[..., first:first + count]
 
-    def to_srgb(self, *, exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+    def auto_exposure(self) -> float:
+        """The stops that bring the picture to middle grey, by the log-average of its luminance without the
+        brightest and darkest tenth; of surfaces alone where there is alpha or one of the AOVs depth and id."""
+        return self._picture.auto_exposure()
+
+    def to_srgb(self, *, exposure: Union[None, float, Literal["auto"]] = None,
+                tone_map: Optional[ToneMap] = None,
                 transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
                 ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
                 ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
@@ -174,7 +190,7 @@ class Image:
         return values
 
     def save(self, *paths: Path, bits: Optional[Literal[8, 16]] = None,
-             exposure: Optional[float] = None, tone_map: Optional[ToneMap] = None,
+             exposure: Union[None, float, Literal["auto"]] = None, tone_map: Optional[ToneMap] = None,
              transfer: Optional[Transfer] = None, gamma: Optional[float] = None,
              ocio_view: Optional[str] = None, ocio_display: Optional[str] = None,
              ocio_space: Optional[str] = None, ocio_input: Optional[str] = None,
@@ -187,7 +203,8 @@ class Image:
 
         :param bits: of a channel in files of integers, 8 or, for PNG and TIFF, 16; default 8. Files of
             floats (EXR, HDR, PFM) hold the light as it is.
-        :param exposure: stops by which light is made brighter, before all else; default 0.
+        :param exposure: stops by which light is made brighter, before all else; "auto": those of
+            `auto_exposure`; default 0.
         :param tone_map: how light above 1 is shown; default "clamp".
         :param transfer: how light becomes 8-bit numbers; default "srgb".
         :param gamma: of the transfer "gamma"; default 2.2.

@@ -20,8 +20,8 @@ std::vector<std::string> origin_channels() {
   return names;
 }
 
-const std::array<Layout, 9>& layouts() {
-  static const std::array<Layout, 9> layouts{
+const std::array<Layout, 10>& layouts() {
+  static const std::array<Layout, 10> layouts{
       {{Aov::albedo, "albedo", {"albedo.R", "albedo.G", "albedo.B"}},
        {Aov::normal, "normal", {"N.X", "N.Y", "N.Z"}},
        {Aov::depth, "depth", {"Z"}},
@@ -30,7 +30,8 @@ const std::array<Layout, 9>& layouts() {
        {Aov::variance, "variance", {"variance.R", "variance.G", "variance.B"}},
        {Aov::samples, "samples", {"samples"}},
        {Aov::origin, "origin", origin_channels()},
-       {Aov::primitive, "primitive", {"primitive"}}}};
+       {Aov::primitive, "primitive", {"primitive"}},
+       {Aov::alpha, "alpha", {"A"}}}};
   return layouts;
 }
 
@@ -39,13 +40,23 @@ const std::array<Layout, 9>& layouts() {
 const std::vector<std::string>& aov_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
-    for (const Layout& layout : layouts()) list.emplace_back(layout.name);
+    for (const Layout& layout : layouts()) {
+      if (AovSet::all().has(layout.aov)) list.emplace_back(layout.name);
+    }
     return list;
   }();
   return names;
 }
 
 AovSet::AovSet(uint32_t bits) : bits_(bits & ((uint32_t{1} << layouts().size()) - 1)) {}
+
+std::vector<Aov> AovSet::members() const {
+  std::vector<Aov> members;
+  for (const Layout& layout : layouts()) {
+    if (has(layout.aov)) members.push_back(layout.aov);
+  }
+  return members;
+}
 
 bool AovSet::needs_surfaces() const {
   return has(Aov::albedo) || has(Aov::normal) || has(Aov::depth) || has(Aov::position) ||
@@ -61,7 +72,7 @@ int AovSet::channels() const {
 }
 
 int AovSet::first_channel(Aov aov) const {
-  TESSERA_CHECK(has(aov), aov_names()[static_cast<size_t>(aov)]);
+  TESSERA_CHECK(has(aov), layouts()[static_cast<size_t>(aov)].name);
   const auto below = bit(aov) - 1;
   return AovSet(bits_ & below).channels();
 }

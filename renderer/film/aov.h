@@ -21,6 +21,9 @@ namespace tessera {
 ///             the innermost first, of a set operation the operand's; then 0
 ///   primitive within that object's shape, from 1: of a mesh the row of its triangles, of a box its
 ///             face, of a set operation those of its operands one after the other
+///   alpha     the share of the pixel that is not background as the camera sees it directly, which
+///             light then leaves out: colours are multiplied by alpha, as OpenEXR has it. A filter
+///             with negative parts may take it a little out of [0, 1]
 enum class Aov : uint32_t {
   albedo,
   normal,
@@ -30,13 +33,15 @@ enum class Aov : uint32_t {
   variance,
   samples,
   origin,
-  primitive
+  primitive,
+  alpha
 };
 
 /// How many nodes `origin` tells at most.
 inline constexpr size_t kOriginDepth = 8;
 
-/// The names of --aovs, in the order of Aov.
+/// The names of --aovs, in the order of Aov: all but alpha, which changes light and is asked for by
+/// --transparent-background.
 const std::vector<std::string>& aov_names();
 
 /// Some of them. A value; its bits are those of FrameSettings.aovs.
@@ -47,11 +52,15 @@ class AovSet {
   explicit AovSet(uint32_t bits);
   /// Whether all bits mean something.
   static bool knows(uint32_t bits) { return AovSet(bits).bits() == bits; }
-  static AovSet all() { return AovSet(~uint32_t{0}); }
+  /// All that leave light as it is.
+  static AovSet all() { return AovSet(bit(Aov::alpha) - 1); }
 
   AovSet with(Aov aov) const { return AovSet(bits_ | bit(aov)); }
+  /// Alpha, if it is among them, and nothing else.
+  AovSet only_alpha() const { return AovSet(bits_ & bit(Aov::alpha)); }
   bool has(Aov aov) const { return (bits_ & bit(aov)) != 0; }
   bool empty() const { return bits_ == 0; }
+  std::vector<Aov> members() const;
   uint32_t bits() const { return bits_; }
   /// Whether any is of surfaces.
   bool needs_surfaces() const;

@@ -60,6 +60,7 @@ void Film::mark_hole(const PixelRect& tile) {
     std::fill_n(at, static_cast<size_t>(tile.width()) * channels, 0.0f);
     for (int x = tile.x0; x < tile.x1; ++x, at += channels) {
       if (((x / kCheckerSide) ^ (y / kCheckerSide)) & 1) at[0] = at[2] = 1.0f;
+      if (aovs_.has(Aov::alpha)) at[aovs_.first_channel(Aov::alpha)] = 1.0f;
     }
   }
 }
@@ -71,9 +72,7 @@ Film Film::with_only(AovSet aovs) const {
     int from, to, count;
   };
   std::vector<Run> runs{{0, 0, kFilmChannels}};
-  for (size_t i = 0; i < aov_names().size(); ++i) {
-    const auto aov = static_cast<Aov>(i);
-    if (!aovs.has(aov)) continue;
+  for (const Aov aov : aovs.members()) {
     runs.push_back({aovs_.first_channel(aov), aovs.first_channel(aov),
                     AovSet().with(aov).channels() - kFilmChannels});
   }

@@ -25,7 +25,8 @@ class Film {
 
   /// Copies rows [first_row, first_row + rows) of `tile` (frame coordinates) from `values`.
   void write(const PixelRect& tile, int first_row, int rows, std::span<const float> values);
-  /// Paints the marker of a tile that was never rendered: a magenta and black checker, 0 beside it.
+  /// Paints the marker of a tile that was never rendered: a magenta and black checker, 0 beside it
+  /// but for alpha.
   void mark_hole(const PixelRect& tile);
 
   /// width x height x channels values, rows from the top.

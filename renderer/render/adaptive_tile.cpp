@@ -153,7 +153,7 @@ class AdaptiveTile {
     for (int y = block.y0; y < block.y1; ++y) {
       for (int x = block.x0; x < block.x1; ++x) {
         const bool wanted = contains_pixel(task_.rect, x, y), seen = is_seen(scene_, x, y);
-        if (seen || !scene_.background.is_constant()) {
+        if (seen || !is_uniform_beyond(scene_)) {
           pixels[count++] = {x, y, wanted, seen, tracer_.empty_sum()};
         } else if (wanted) {
           writer_.put(state_.sum_beyond(), x, y, seen);

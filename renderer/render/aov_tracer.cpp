@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "renderer/accel/mesh_shape.h"
+#include "renderer/integrator/surface_point.h"
 #include "renderer/integrator/views.h"
 #include "renderer/render/through_camera.h"
 
@@ -52,7 +53,9 @@ struct AovTracer::Surfaces {
 };
 
 AovTracer::AovTracer(std::shared_ptr<const Scene> scene)
-    : scene_(std::move(scene)), aovs_(scene_->settings.aovs) {}
+    : scene_(std::move(scene)), aovs_(scene_->settings.aovs) {
+  if (aovs_.has(Aov::alpha)) at_camera_ = media_at_camera(*scene_);
+}
 
 AovTracer::Surfaces AovTracer::surfaces_of(int x, int y, uint32_t first_sample, uint32_t count,
                                            TraceState& state, TileProgress& progress) const {
@@ -82,8 +85,27 @@ AovTracer::Surfaces AovTracer::surfaces_of(int x, int y, uint32_t first_sample, 
   return surfaces;
 }
 
+DirectBackground AovTracer::background_of(int x, int y, uint32_t first_sample, uint32_t count,
+                                          TraceState& state, TileProgress& progress) const {
+  const uint32_t at_once = samples_at_once(*scene_);
+  const double gain = scene_->sampler->filter_gain();
+  SampleSum share(gain), light(gain);
+  for (uint32_t i = 0; i < count; ++i) {
+    const SampleKey key{x, y, first_sample + i};
+    state.cone = scene_->cones.of(key.sample);
+    const auto [mean, negative] =
+        through_camera(*scene_, key, [&](const Ray& ray, const SampleKey& own) {
+          return direct_background(*scene_, at_camera_, ray, own, state);
+        });
+    share.add({mean.share, negative});
+    light.add({is_representable(mean.light) ? mean.light : kBlack, negative});
+    if ((i + 1) % at_once == 0 && !progress.go_on()) break;
+  }
+  return {share.mean(), light.mean()};
+}
+
 void AovTracer::write(int x, int y, uint32_t first_sample, bool seen, const SampleSum& light,
-                      TraceState& state, TileProgress& progress, float* out) const {
+                      double alpha, TraceState& state, TileProgress& progress, float* out) const {
   Surfaces surfaces;
   if (seen && aovs_.needs_surfaces()) {
     const bool averages = aovs_.has(Aov::albedo) || aovs_.has(Aov::normal);
@@ -108,6 +130,7 @@ void AovTracer::write(int x, int y, uint32_t first_sample, bool seen, const Samp
   }
   if (aovs_.has(Aov::primitive))
     channels.put(surfaces.first ? primitive_of(*scene_, first) + 1.0 : 0);
+  if (aovs_.has(Aov::alpha)) channels.put(alpha);
 }
 
 }  // namespace tessera

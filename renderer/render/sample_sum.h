@@ -1,11 +1,18 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "renderer/math/color.h"
 
 namespace tessera {
+
+/// Whether a pixel can hold it: no NaN, and nothing beyond the range of float.
+inline bool is_representable(const Color& c) {
+  return std::isfinite(static_cast<float>(c.r)) && std::isfinite(static_cast<float>(c.g)) &&
+         std::isfinite(static_cast<float>(c.b));
+}
 
 /// What a sample found, and the sign of the filter where it looked.
 struct Sample {

@@ -51,6 +51,7 @@ Sample SampleTracer::look_past(const SampleKey& key, TraceState&) const {
 }
 
 Sample SampleTracer::constant_background(const SampleKey&, TraceState&) const {
+  if (scene_->settings.aovs.has(Aov::alpha)) return {kBlack};
   return {integrator_->background({})};
 }
 

@@ -29,7 +29,7 @@ class SampleTracer {
   Sample trace_in_cone(const SampleKey& key, TraceState& state) const;
   /// Of a pixel past everything: what tracing would give, without tracing.
   Sample look_past(const SampleKey& key, TraceState& state) const;
-  /// The same before a background of one colour.
+  /// The same before a background of one colour, or one that is left out.
   Sample constant_background(const SampleKey& key, TraceState& state) const;
   static Way way_of(bool seen) { return seen ? &SampleTracer::trace : &SampleTracer::look_past; }
 
@@ -59,11 +59,6 @@ class SampleTracer {
                    TileProgress& progress) const;
 
  private:
-  /// Whether a pixel can hold it: no NaN, and nothing beyond the range of float.
-  static bool is_representable(const Color& c) {
-    return std::isfinite(static_cast<float>(c.r)) && std::isfinite(static_cast<float>(c.g)) &&
-           std::isfinite(static_cast<float>(c.b));
-  }
   static Sample finite(Sample sample, TraceState& state) {
     ++state.counters.samples;
     if (!is_representable(sample.color)) {

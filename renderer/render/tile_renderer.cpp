@@ -45,7 +45,7 @@ class SceneTileRenderer final : public TileRenderer {
     TileState state;
     tile.counters["rays_background_skipped"] = 0;
     tile.counters["tiles_background"] = intersection(scene_->seen, task.rect).empty() ? 1 : 0;
-    if (scene_->background.is_constant() && !scene_->seen.contains(task.rect)) {
+    if (is_uniform_beyond(*scene_) && !scene_->seen.contains(task.rect)) {
       state.beyond = pixel_beyond(task);
     }
     TileWriter writer(*scene_, aovs_, task.first_sample, tile, progress);
@@ -64,7 +64,7 @@ class SceneTileRenderer final : public TileRenderer {
   }
 
   std::optional<Unseen> unseen(uint32_t sample_count) const override {
-    if (!scene_->background.is_constant()) return std::nullopt;
+    if (!is_uniform_beyond(*scene_)) return std::nullopt;
     Unseen unseen{scene_->seen, {}};
     const PixelRect one{0, 0, 1, 1};
     unseen.one_pixel.rect = one;
@@ -106,7 +106,7 @@ class SceneTileRenderer final : public TileRenderer {
             continue;
           }
           if (!seen) ++unseen_pixels;
-          if (!seen && scene_->background.is_constant()) {
+          if (!seen && is_uniform_beyond(*scene_)) {
             writer.put(state.sum_beyond(), x, y, seen);
           } else if (is_lone) {
             writer.put_lone(lone_sample(x, y, task, state, seen), x, y);

@@ -15,9 +15,17 @@ Color TileWriter::shown(const SampleSum& sum, std::optional<double> error) const
 }
 
 void TileWriter::put(const SampleSum& sum, int x, int y, bool seen, std::optional<double> error) {
-  float* value = put_color(shown(sum, error), value_at(x, y));
+  Color color = shown(sum, error);
+  double alpha = 0;
+  if (aovs_.aovs().has(Aov::alpha) && seen) {
+    const DirectBackground background =
+        aovs_.background_of(x, y, first_sample_, sum.count(), beside_light_, progress_);
+    color = color - background.light;
+    alpha = 1 - (background.share.r + background.share.g + background.share.b) / 3;
+  }
+  float* value = put_color(color, value_at(x, y));
   if (aovs_.aovs().empty()) return;
-  aovs_.write(x, y, first_sample_, seen, sum, beside_light_, progress_, value);
+  aovs_.write(x, y, first_sample_, seen, sum, alpha, beside_light_, progress_, value);
 }
 
 }  // namespace tessera

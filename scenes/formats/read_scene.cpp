@@ -77,6 +77,7 @@ std::string format_by_content(const std::string& path) {
       head.find("<X3D") != std::string::npos) {
     return "x3d";
   }
+  if (head.starts_with('{')) return head.find("\"asset\"") != head.npos ? "gltf" : "json";
   return "";
 }
 
@@ -301,9 +302,10 @@ void show_back_faces(v1::Scene& scene, const ReadOptions& options) {
 
 }  // namespace
 
-void check_scene_format(const std::string& path, const std::string& format) {
+void check_scene_format(const std::string& path, const ReadOptions& options) {
+  const InputScope scope(&options.text_of);
   check_input_file(path, UINT64_MAX);
-  format_of(path, format);
+  format_of(path, options.format);
 }
 
 void add_files(LoadedScene& made, const std::string& name, const ReadOptions& options) {

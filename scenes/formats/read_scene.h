@@ -12,8 +12,7 @@ namespace tessera {
 LoadedScene read_scene(const std::string& path, const ReadOptions& options = {});
 
 /// Throws what read_scene() throws of a file that is missing, or of a format that is not read.
-/// `format`: ReadOptions::format.
-void check_scene_format(const std::string& path, const std::string& format);
+void check_scene_format(const std::string& path, const ReadOptions& options);
 
 /// Reads what a scene that was made, not read, includes, and what is to be placed into it, as if it
 /// were a file `name` of the current folder.

@@ -306,9 +306,61 @@ class Pipes(TesseraTest):
         self.assertEqual(["scene.png", "scene.tessera", "tmp"],
                          sorted(os.listdir(self.folder)))
 
-    def test_pictures_and_scenes_are_files(self):
-        self.assert_error(self.run_program("render", self.scene, "-o", "-"), 2, "--output", "'-'")
-        self.assert_error(self.run_program("render", "-"), 2, "SCENE", "'-'")
+    def piped(self, given, *arguments, code=0):
+        """Standard output, as bytes, and standard error of a command that reads those bytes."""
+        result = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, input=given,
+                                env=self.environment(), capture_output=True, timeout=PATIENCE)
+        self.assertEqual(code, result.returncode, result.stderr)
+        return result.stdout, result.stderr.decode()
+
+    def test_a_scene_from_standard_input_and_a_picture_to_standard_output(self):
+        self.assertEqual(0, self.run_program("render", self.scene, *SMALL, "-o", "a.png", "-o",
+                                             "a.exr").code)
+        text = self.scene.read_bytes()
+        for output, same in (("-", "a.png"), ("-.exr", "a.exr")):
+            picture, told = self.piped(text, "render", "-", "--format", "tessera", "-o", output, *SMALL)
+            self.assertEqual((self.folder / same).read_bytes(), picture)
+            self.assertEqual("", told)
+        # The content may tell the format; the picture's name is then that of the input.
+        written, _ = self.piped(b'{"nodes": [{"shape": {"sphere": {}}}]}', "render", "-", *SMALL)
+        self.assertTrue(written.startswith(b"stdin.png  48x32"), written)
+        animation_file, _ = self.piped(text, "render", "-", "--format", "tessera", *SMALL, "--frames",
+                                       "0-1", "-o", "-.apng")
+        self.assertEqual(2, animation_file.count(b"fcTL"))
+
+    def test_what_stands_beside_standard_input_is_in_the_current_folder(self):
+        self.write("red.mtl", "newmtl red\nKd 1 0 0\n")
+        obj = b"mtllib red.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+        self.piped(obj, "convert", "-", "a.json", "--format", "obj")
+        self.assertIn('"red"', (self.folder / "a.json").read_text())
+        information, _ = self.piped(obj, "info", "-", "--format", "obj")
+        self.assertIn(b"1 triangle", information)
+
+    def test_standard_input_that_is_no_scene(self):
+        for given, arguments, expected in (
+                (b"nodes {", ["--format", "tessera"], "stdin:1:"), (b"", [], "stdin: the file is empty"),
+                (b"nodes { }", [], "stdin: the name has no ending"),
+                (b"x", ["--format", "objj"], "did you mean 'obj'")):
+            for command in (["render", "-"], ["convert", "-", "a.json"]):
+                _, told = self.piped(given, *command, *arguments,
+                                     code=2 if "objj" in arguments else 1)
+                self.assertIn(expected, told)
+
+    def test_what_cannot_go_to_standard_output(self):
+        for options, expected in ((["-o", "-", "-o", "-.exr"], "given twice"),
+                                  (["-o", "-", "--stats", "-"], "given twice"),
+                                  (["-o", "-", "--frames", "0-1"], "'-.apng'"),
+                                  (["-o", "-", "--resume"], "--resume"),
+                                  (["-o", "-", "--progressive"], "--progressive"),
+                                  (["-o", "-.pgn"], "did you mean 'png'")):
+            self.assert_error(self.run_program("render", self.scene, *options), 2, expected)
+        main, terminal = pty.openpty()
+        self.assert_error(self.run_program("render", self.scene, "-o", "-", stdout=terminal), 2,
+                          "is a terminal")
+        for descriptor in (main, terminal):
+            os.close(descriptor)
+        full = self.run_program("render", self.scene, *SMALL, "-o", "-", stdout=open("/dev/full", "w"))
+        self.assert_error(full, 3, "standard output", "No space left")
 
 
 class Farm(TesseraTest):

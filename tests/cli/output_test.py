@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What the commands write and print when all is well."""
 import json
+import math
 import os
 import pty
 import re
@@ -140,6 +141,39 @@ class Render(TesseraTest):
         frames = self.run_program("render", "bright.tessera", *SMALL, "--frames", "3-5", "-o", "bright.png")
         self.assertEqual(1, frames.err.count("brighter"), frames.err)
         self.assertIn("frame 3: 97 % of the picture is brighter", frames.err)
+
+    def test_exposure_by_the_picture(self):
+        dark = (scenes.CAMERAS + "background { solid { r: 9 g: 9 b: 9 } }"
+                'materials { name: "m" unlit { color { value { r: .01 g: .01 b: .01 } } } }'
+                'nodes { shape { materials: "m" sphere { center { y: .5 } } }'
+                "  keys { time: 0 transform { } } keys { time: 1 transform { steps { scale { x: 3 y: 3 z: 3 } } } } }")
+        self.write("dark.tessera", dark)
+        linear = []
+        for options in ([], ["--exposure", "auto"]):
+            linear.append(self.render("dark.tessera", *SMALL, "-o", "a.exr", *options)["pixels_sha256"])
+            linear.append((self.folder / "a.exr").read_bytes())
+        self.assertEqual(linear[:2], linear[2:], "light stays as it is")
+        result = self.run_program("render", "dark.tessera", *SMALL, "--exposure", "auto", "-o", "a.png")
+        self.assertEqual(0, result.code, result.err)
+        stops, = re.findall(r"exposure chosen: --exposure (\S+)\n", result.err)
+        self.assertAlmostEqual(math.log2(.18 / .01), float(stops), delta=.011)
+        self.run_program("render", "dark.tessera", *SMALL, "--exposure", stops, "-o", "b.png")
+        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
+        # Of surfaces alone: .18 in sRGB, in the middle of the ball, before a bright background.
+        width, height, pixels = read_png(self.folder / "a.png")
+        self.assertEqual(118, pixels[3 * (width * (height // 2) + width // 2)])
+        # As the first frame has it.
+        frames = self.run_program("render", "dark.tessera", *SMALL, "--exposure", "auto", "--frames", "0-2",
+                                  "-o", "f.png")
+        self.assertEqual(1, frames.err.count("exposure chosen"), frames.err)
+        self.run_program("render", "dark.tessera", *SMALL, "--exposure", stops, "--frames", "0-2", "-o", "g.png")
+        for frame in range(3):
+            self.assertEqual(*((self.folder / f"{name}.000{frame}.png").read_bytes() for name in "fg"))
+        quiet = self.run_program("render", "dark.tessera", *SMALL, "--exposure", "auto", "--quiet")
+        self.assertEqual("", quiet.err)
+        for command in ("render", "submit"):
+            result = self.run_program(command, "dark.tessera", "--exposure", "autp")
+            self.assert_error(result, 2, "--exposure", "'autp'", "a finite number")
 
     def test_frames(self):
         result = self.run_program("render", self.scene, *SMALL, "--frames", "3-5", "-o", "anim.png")

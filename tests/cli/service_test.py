@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import signal
 import socket
 import sqlite3
@@ -428,6 +429,14 @@ class Jobs(ServiceTest):
         bright = self.run_program("fetch", job, "--exposure", 20, "-o", "bright.png", "--connect", self.endpoint)
         self.assertEqual(1, bright.err.count("brighter than white"), bright.err)
         self.assertIn("warning: frame 3: ", bright.err)
+        chosen = self.run_program("fetch", job, "--exposure", "auto", "-o", "chosen.png", "--connect", self.endpoint)
+        stops, = re.findall(r"exposure chosen: --exposure (\S+)\n", chosen.err)
+        self.ask("fetch", job, "--exposure", stops, "-o", "same.png")
+        for frame in range(3, 7):
+            self.assertEqual((self.folder / f"same.{frame:04}.png").read_bytes(),
+                             (self.folder / f"chosen.{frame:04}.png").read_bytes())
+        self.assert_error(self.run_program("submit", scene, "--exposure", "auto", "--connect", self.endpoint), 2,
+                          "--exposure auto", "tessera fetch")
         told = self.stop(service, worker)[0]
         for frame in range(3, 7):
             self.assertIn(f"job {job} frame {frame} is done", told)

@@ -126,6 +126,7 @@ LARGE = {
     "Image._repr_png_": [Large("i = picture(6000)", "i._repr_png_()")],
     "Image.aov": [Large("i = picture(2000, 'all')", "i.aov('origin')", False)],
     "Image.apply": [Large("i = picture(3000, 'all')", "i.apply(lambda light: light)")],
+    "Image.auto_exposure": [Large("i = picture(6000)", "i.auto_exposure()")],
     "Image.from_array": [Large("a = random.integers(0, 256, (4500, 4500, 3), 'u1')", "ts.Image.from_array(a)"),
                          Large("a = random.random((4000, 4000, 3))", "ts.Image.from_array(a)", False)],
     "Image.save": [Large("i = picture(6000)", "i.save(folder + '/x.png')"),
@@ -192,7 +193,8 @@ SMALL = {
         AllHits.__len__ AllHits.__repr__ AllHits.counts Array.__copy__ Array.__deepcopy__ Array.__getitem__
         Array.__len__ Array.__repr__ Array.format Array.shape BaseFarm.__enter__ BaseFarm.__reduce__
         BaseFarm.closed Camera.pose Color.__repr__ Farm.__repr__ Hits.__bool__ Hits.__len__ Hits.__repr__
-        Hits._repr_html_ Hits.shape Image.__copy__ Image.__deepcopy__ Image.__repr__ Image.aovs Image.height
+        Hits._repr_html_ Hits.shape Image.__copy__ Image.__deepcopy__ Image.__repr__ Image.alpha Image.aovs
+        Image.height
         Image.holes Image.linear Image.shape Image.size Image.stats Image.width Instances.__len__
         Instances.transforms Job.__eq__ Job.__hash__ Job.__reduce__ Job.__repr__ Job.farm LocalFarm.__repr__
         Located.__copy__ Located.__deepcopy__ Located.instance Located.name Located.primitive Located.t

@@ -16,7 +16,7 @@ INSTEAD = {
     "output": "Image.save", "stats": "Image.stats", "quiet": "nothing is printed",
     "progressive": "Task.snapshot", "frames": "Scene.frames", "fps": "Frames(per_second=)", "connect": "farm", "key": "Farm(key=)",
     "server-key": "Farm(server_key=)", "trace": "the command line", "turntable": "Camera(keys=)", "tev": "on_tile",
-    "help": "help()",
+    "format": "the ending", "help": "help()",
 }
 OUTPUT = {"exposure", "tone-map", "transfer", "gamma", "ocio-view", "ocio-display", "ocio-space",
           "ocio-input", "bits"}  # keywords of save(), and all but the last of to_srgb()

@@ -96,6 +96,18 @@ def test_the_bytes_of_the_png(image, tmp_path):
         image.save(tmp_path / "nowhere" / "x.png")
 
 
+def test_exposure_by_the_picture():
+    grey = ts.Image.from_array(np.full((4, 4, 3), .045, "f4"))
+    assert grey.auto_exposure() == pytest.approx(2, abs=.011)
+    assert (grey.to_srgb(exposure="auto") == grey.to_srgb(exposure=grey.auto_exposure())).all()
+    assert (grey.to_srgb(exposure="auto") == 118).all()
+    # Before a bright background the surface alone counts, where the picture tells it.
+    scene = ts.Scene(width=8, height=8, background=20, ambient=1)
+    scene.add(ts.Sphere(radius=.5), material=ts.Classic(emission=.09, diffuse=0))
+    assert scene.render(workers=0, transparent_background=True).auto_exposure() == pytest.approx(1, abs=.011)
+    assert scene.render(workers=0).auto_exposure() < 0
+
+
 def test_a_large_picture_is_shown_smaller():
     wide = ts.Image.from_array(np.ones((2, 5000, 3)))
     assert decoded_png(wide._repr_png_()).shape == (1, 1667, 3)

@@ -45,14 +45,15 @@ def test_a_sample_as_file_and_as_value(name, farms, tessera, tmp_path):
                                                         "--pinhole"]),
     ({"frame_all": True, "camera": "1"}, ["--frame-all", "--camera", "1"]),
     ({"view": "right", "up": "z"}, ["--view", "right", "--up", "z"]),
+    ({"transparent_background": True, "spp": 4}, ["--transparent-background", "--spp", "4"]),
     ({"place": ":at=1,0,0:scale=2"}, ["--place", ":at=1,0,0:scale=2"]),
 ])
 def test_an_option_does_what_it_does_on_the_command_line(python, command, farms, tessera, tmp_path):
     path = str(SAMPLES / "mosaic.tessera")
-    tessera("render", path, "--size", "48x36", "--workers", "0", "-o", tmp_path / "x.pfm", "--quiet",
+    tessera("render", path, "--size", "48x36", "--workers", "0", "-o", tmp_path / "x.exr", "--quiet",
             *command)
     image = ts.render(path, size=SIZE, farm=farms[1], **python)
-    assert (image.linear == ts.read_image(tmp_path / "x.pfm").linear).all()
+    assert (image.linear == ts.read_image(tmp_path / "x.exr").linear).all()
 
 
 def test_nothing_of_the_environment_is_needed(tmp_path):

@@ -1,4 +1,5 @@
 """Cameras of calibrations, poses, and transforms the other way."""
+import pickle
 import numpy as np
 import pytest
 
@@ -117,3 +118,18 @@ def test_shapes_at_different_places_are_not_equal():
     there = ts.Sphere().shift((1, 0, 0))
     assert there != ts.Sphere() and there == ts.Sphere().shift((1, 0, 0))
     assert ts.Csg("union", [there]) != ts.Csg("union", [ts.Sphere()])
+
+
+def test_a_transparent_background(tmp_path):
+    scene = ts.Scene(width=16, height=12, spp=8, background=(.25, .5, 1))
+    scene.add(ts.Sphere(radius=.7), material=ts.Classic(emission=(.5, .25, 0), diffuse=0))
+    whole, image = scene.render(workers=0), scene.render(workers=0, transparent_background=True)
+    assert whole.alpha is None and image.alpha.shape == (12, 16) and not image.alpha.flags.writeable
+    assert ((image.alpha > 0) & (image.alpha < 1)).any() and image.aovs == []
+    over = image.linear + (1 - image.alpha[..., None]) * np.array([.25, .5, 1], "f4")
+    np.testing.assert_allclose(over, whole.linear, atol=1e-6)
+    image.save(tmp_path / "x.exr", tmp_path / "x.png")
+    assert (ts.read_image(tmp_path / "x.exr").linear == image.linear).all()
+    assert (image.to_srgb()[0, 0] == 0).all() and pickle.loads(pickle.dumps(image)) == image
+    with pytest.raises(ts.UsageError, match="holds no alpha"):
+        image.save(tmp_path / "x.jpg")

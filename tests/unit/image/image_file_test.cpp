@@ -100,6 +100,45 @@ TEST_F(ImageFile, some_hold_sixteen_bits) {
   write_image(folder_ / "a.exr", film, settings, {});
 }
 
+TEST_F(ImageFile, alpha_is_associated_in_floats_alone) {
+  // Half covered by full red, all by a dark green, by nothing, and more than all by a filter's
+  // overshoot.
+  Film film({0, 0, 4, 1}, AovSet().with(Aov::depth).with(Aov::alpha));
+  const std::array<float, 20> values{.5f, 0, 0, 7, .5f, 0, .25f, 0, 7, 1,
+                                     0,   0, 0, 0, 0,   1, 1,    1, 7, 1.25f};
+  std::ranges::copy(values, film.values().begin());
+  write_image(folder_ / "a.exr", film, display_, {});
+  const FloatImage exr = read_image(folder_ / "a.exr");
+  EXPECT_EQ(exr.channels, (std::vector<std::string>{"R", "G", "B", "A", "Z"}));
+  EXPECT_TRUE(exr.meaning.is_associated);
+  EXPECT_EQ((std::vector<float>(exr.values.begin(), exr.values.begin() + 5)),
+            (std::vector<float>{.5f, 0, 0, .5f, 7}));
+  EXPECT_EQ(exr.values[18], 1.25f);
+  for (const int bits : {8, 16}) {
+    const double most = bits == 8 ? 255 : 65535;
+    const std::vector<double> expected{most, 0, 0, std::floor(most / 2 + .5), 0, 0, 0, most, 0,
+                                       0,    0, 0};
+    for (const char* name : {"a.png", "a.tif", "a.tga"}) {
+      if (bits == 16 && name == std::string_view("a.tga")) continue;
+      OutputSettings settings = display_;
+      settings.bits = bits;
+      write_image(folder_ / name, film, settings, {});
+      const FloatImage image = read_image(folder_ / name);
+      EXPECT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B", "A"})) << name;
+      EXPECT_FALSE(image.meaning.is_associated) << name;
+      for (const size_t i : {0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11})
+        EXPECT_NEAR(image.values[i] * most, expected[i], 1e-3) << name << ' ' << i;
+      EXPECT_NEAR(image.values[5], .25, .003) << name;
+      EXPECT_NEAR(image.values[12], .8, .003) << name;
+      EXPECT_EQ(image.values[15], 1) << name;
+    }
+  }
+  std::string message;
+  EXPECT_EQ(code_of([&] { write_image(folder_ / "a.jpg", film, {}, {}); }, &message),
+            ExitCode::bad_usage);
+  EXPECT_NE(message.find("'a.jpg' holds no alpha"), std::string::npos) << message;
+}
+
 TEST_F(ImageFile, files_carry_their_making) {
   const ImageMetadata making{
       .scene_digest = "0123abcd", .seed = 4294967295, .samples_per_pixel = 77};

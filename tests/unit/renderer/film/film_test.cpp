@@ -23,12 +23,13 @@ TEST(Film, what_is_beside_light_can_be_left_out) {
   EXPECT_EQ(film_bytes(film.rect(), aovs), film.values().size_bytes());
 }
 
-TEST(Film, holes_have_nothing_beside_them) {
-  Film film({0, 0, 2, 1}, AovSet().with(Aov::id));
+TEST(Film, holes_have_nothing_beside_them_and_are_opaque) {
+  Film film({0, 0, 2, 1}, AovSet().with(Aov::id).with(Aov::alpha));
   std::fill(film.values().begin(), film.values().end(), 7.0f);
   film.mark_hole({1, 0, 2, 1});
   EXPECT_EQ(film.values()[3], 7);
-  EXPECT_EQ(film.values()[7], 0);
+  EXPECT_EQ(film.values()[8], 0);
+  EXPECT_EQ(film.values()[9], 1) << "lest the marker be unseen";
 }
 
 }  // namespace

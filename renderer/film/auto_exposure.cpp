@@ -1,0 +1,72 @@
+#include "renderer/film/auto_exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "renderer/math/elementary.h"
+
+namespace tessera {
+
+namespace {
+
+constexpr double kMiddleGrey = 0.18;
+constexpr double kLeftOut = 0.1;  ///< of the pixels, at either end
+constexpr double kLogTwo = 0.69314718055994530942;
+
+/// Counts of pixels by the binary logarithm of their luminance.
+class Histogram {
+ public:
+  void add(double luminance) {
+    const double stops = std::clamp(portable::log(luminance) / kLogTwo, -kMost, kMost);
+    ++counts_[static_cast<size_t>((stops + kMost) * kBinsPerStop)];
+    ++total_;
+  }
+  bool empty() const { return total_ == 0; }
+  /// Mean of what is left without the ends.
+  double mean() const {
+    const double low = kLeftOut * total_, high = (1 - kLeftOut) * total_;
+    double below = 0, sum = 0;
+    for (size_t bin = 0; bin < counts_.size(); ++bin) {
+      const double above = below + counts_[bin];
+      const double kept = std::max(0.0, std::min(above, high) - std::max(below, low));
+      sum += kept * ((static_cast<double>(bin) + 0.5) / kBinsPerStop - kMost);
+      below = above;
+    }
+    return sum / (high - low);
+  }
+
+ private:
+  static constexpr double kMost = 64, kBinsPerStop = 256;
+  std::vector<uint32_t> counts_ = std::vector<uint32_t>(size_t(2 * kMost * kBinsPerStop) + 1);
+  double total_ = 0;
+};
+
+/// The channel that is above 0 where a pixel shows a surface; -1: none tells.
+int surface_channel(AovSet aovs) {
+  for (const Aov aov : {Aov::alpha, Aov::depth, Aov::id}) {
+    if (aovs.has(aov)) return aovs.first_channel(aov);
+  }
+  return -1;
+}
+
+}  // namespace
+
+double auto_exposure(const Film& film) {
+  const int tells = surface_channel(film.aovs());
+  Histogram histogram;
+  const std::span<const float> values = film.values();
+  const auto channels = static_cast<size_t>(film.channels());
+  for (size_t pixel = 0; pixel < values.size(); pixel += channels) {
+    if (tells >= 0 && !(values[pixel + static_cast<size_t>(tells)] > 0)) continue;
+    const double luminance =
+        0.2126 * values[pixel] + 0.7152 * values[pixel + 1] + 0.0722 * values[pixel + 2];
+    if (luminance > 0 && std::isfinite(luminance)) histogram.add(luminance);
+  }
+  if (histogram.empty()) return 0;
+  const double stops = portable::log(kMiddleGrey) / kLogTwo - histogram.mean();
+  return std::round(100 * stops) / 100;
+}
+
+}  // namespace tessera
