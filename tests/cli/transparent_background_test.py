@@ -9,7 +9,8 @@ from png import chunks, unfiltered
 from service_test import ServiceTest
 
 OPTION = "--transparent-background"
-SIZE = ["--size", "70x45", "--spp", 8]
+SIZE = ["--size", "70x45"]
+FEW = ["--spp", 8]
 SOLID = (.25, .5, 1)
 
 
@@ -42,7 +43,8 @@ class TransparentBackground(ServiceTest):
         self.scene = self.write("scene.tessera", solid_scene())
 
     def render(self, *options, name="a.exr"):
-        result = self.run_program("render", self.scene, "-o", name, "--quiet", *SIZE, *options)
+        samples = [] if "--spp" in options else FEW
+        result = self.run_program("render", self.scene, "-o", name, "--quiet", *SIZE, *samples, *options)
         self.assertEqual(0, result.code, result.err)
         return self.folder / name
 
@@ -93,7 +95,7 @@ class TransparentBackground(ServiceTest):
                              list(values))
         service, worker = self.serve(), self.worker()
         self.assertEqual(reference, self.bytes_of("--connect", self.endpoint, OPTION))
-        job = int(self.ask("submit", self.scene, *SIZE, OPTION))
+        job = int(self.ask("submit", self.scene, *SIZE, *FEW, OPTION))
         self.ask("fetch", job, "--wait", "-o", "b.exr", "-o", "b.png")
         self.assertEqual(reference, {c: v.tobytes() for c, v in read_exr(self.folder / "b.exr")[1].items()})
         self.assertEqual(self.render("--workers", 0, OPTION, name="c.png").read_bytes(),

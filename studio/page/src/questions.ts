@@ -16,7 +16,7 @@ interface Abouts {
   complete: { offset: number };
   hover: { offset: number };
   placement: { entity?: EntityId };
-  camera_text: { camera: FreeCamera; text: string };
+  camera_text: { camera: FreeCamera; aspect: number; text: string };
 }
 
 const PATIENCE_MS = 2000;
