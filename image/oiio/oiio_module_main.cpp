@@ -149,7 +149,8 @@ void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int first, ImageA
   void* const pixels = make_room(answer, PixelLayout::kMostChannels);
   const int end = first + answer.layout.channels;
   // Some readers fill in what a truncated file lacks, and merely say so.
-  if (!input.read_image(0, 0, first, end, type, pixels) || input.has_error()) {
+  if (!input.read_image(input.current_subimage(), 0, first, end, type, pixels) ||
+      input.has_error()) {
     fail_image(input.geterror());
   }
 }

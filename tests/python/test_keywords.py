@@ -231,7 +231,7 @@ def test_what_cannot_be_assigned_to(name, told):
 
 
 def test_load_has_the_options_of_reading(tessera):
-    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|environment|place|up)\b", tessera("help", "render")))
+    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|environment|place|two-sided|up)\b", tessera("help", "render")))
     keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "strict", "unknown"}
     assert keywords == {name.replace("-", "_") for name in of_files}
     for name in keywords - {"place"}:

@@ -103,7 +103,7 @@ def test_exposure_by_the_picture():
     assert (grey.to_srgb(exposure="auto") == 118).all()
     # Before a bright background the surface alone counts, where the picture tells it.
     scene = ts.Scene(width=8, height=8, background=20, ambient=1)
-    scene.add(ts.Sphere(radius=.5), material=ts.Classic(emission=.09, diffuse=0))
+    scene.add(ts.Sphere(radius=.5, center=(0, 0, 5)), material=ts.Classic(emission=.09, diffuse=0))
     assert scene.render(workers=0, transparent_background=True).auto_exposure() == pytest.approx(1, abs=.011)
     assert scene.render(workers=0).auto_exposure() < 0
 

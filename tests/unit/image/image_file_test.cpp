@@ -136,7 +136,7 @@ TEST_F(ImageFile, alpha_is_associated_in_floats_alone) {
   std::string message;
   EXPECT_EQ(code_of([&] { write_image(folder_ / "a.jpg", film, {}, {}); }, &message),
             ExitCode::bad_usage);
-  EXPECT_NE(message.find("'a.jpg' holds no alpha"), std::string::npos) << message;
+  EXPECT_NE(message.find("a.jpg' holds no alpha"), std::string::npos) << message;
 }
 
 TEST_F(ImageFile, files_carry_their_making) {

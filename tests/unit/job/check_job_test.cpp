@@ -31,7 +31,7 @@ TEST(CheckJob, aovs_must_fit_a_file_and_a_message) {
 
 TEST(CheckJob, aovs_that_mean_nothing_are_refused) {
   JobSpec spec = job_of(8, 8, {});
-  spec.frame.set_aovs(1u << 9);
+  spec.frame.set_aovs(1u << 10);
   EXPECT_THROW(check_job(spec), Error);
 }
 

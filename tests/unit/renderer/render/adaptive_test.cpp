@@ -217,7 +217,7 @@ TEST(Adaptive, loses_no_light_that_few_samples_meet) {
     std::string text;
     double target;
   };
-  for (const Case& each : {Case{kSlit, 0.2}, Case{specks(), 0.05}}) {
+  for (const Case& each : {Case{kSlit, 0.2}, Case{specks(), 0.1}}) {
     const auto render = [&](double target) {
       const auto frame = adaptive_frame(kWidth, kHeight, kMost, target);
       return render_rect(*make_tile_renderer(parse_scene(each.text), {}, frame, 1),
