@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -162,7 +163,7 @@ auto shown_before_anything(const Film& film, const OutputSettings& settings,
     std::copy_n(color, kFilmChannels, &result[pixel]);
     const float alpha = std::clamp(values[pixel + kFilmChannels], 0.0f, 1.0f);
     result[pixel + kFilmChannels] =
-        static_cast<Integer>(alpha * std::numeric_limits<Integer>::max() + 0.5f);
+        static_cast<Integer>(std::lround(alpha * std::numeric_limits<Integer>::max()));
   }
   return result;
 }

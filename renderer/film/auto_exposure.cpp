@@ -13,13 +13,14 @@ namespace {
 
 constexpr double kMiddleGrey = 0.18;
 constexpr double kLeftOut = 0.1;  ///< of the pixels, at either end
-constexpr double kLogTwo = 0.69314718055994530942;
+
+double stops_of(double luminance) { return portable::log(luminance) / portable::log(2); }
 
 /// Counts of pixels by the binary logarithm of their luminance.
 class Histogram {
  public:
   void add(double luminance) {
-    const double stops = std::clamp(portable::log(luminance) / kLogTwo, -kMost, kMost);
+    const double stops = std::clamp(stops_of(luminance), -kMost, kMost);
     ++counts_[static_cast<size_t>((stops + kMost) * kBinsPerStop)];
     ++total_;
   }
@@ -65,7 +66,7 @@ double auto_exposure(const Film& film) {
     if (luminance > 0 && std::isfinite(luminance)) histogram.add(luminance);
   }
   if (histogram.empty()) return 0;
-  const double stops = portable::log(kMiddleGrey) / kLogTwo - histogram.mean();
+  const double stops = stops_of(kMiddleGrey) - histogram.mean();
   return std::round(100 * stops) / 100;
 }
 

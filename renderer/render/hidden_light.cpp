@@ -122,8 +122,9 @@ double HiddenLight::square_error(int x, int y, int pixels, uint32_t samples) con
   // What one sample of n met is an n-th of it in the pixel, which counts as white at most.
   for (const double square : rare_)
     error += std::min(square / (n * n), 1.0) / std::max(1.0, met_nothing_);
-  const auto [first, last] = std::ranges::equal_range(specks_, block_of(x, y), {}, &Speck::block);
-  for (auto speck = first; speck != last; ++speck) {
+  const int block = block_of(x, y);
+  auto speck = std::ranges::lower_bound(specks_, block, {}, &Speck::block);
+  for (; speck != specks_.end() && speck->block == block; ++speck) {
     const double light = std::min(1.0, speck->radiance * speck->pixels);
     error += portable::exp(-speck->pixels * n) * light * light;
   }
