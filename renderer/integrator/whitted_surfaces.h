@@ -26,7 +26,7 @@ class WhittedSurfaces {
   const Scene& scene() const { return scene_; }
   const Placed& placed(uint32_t instance) const { return placed_[instance]; }
   /// Whether all surfaces are simple and seen from both sides, so that no hit is looked at by
-  /// itself: by the last digit, culled backs are met.
+  /// itself: by the last digit, rays hit culled backs.
   bool are_simple() const { return are_simple_; }
   /// What the camera is inside of.
   const Media& at_camera() const { return at_camera_; }

@@ -13,8 +13,6 @@
 #include <bit>
 #include <cmath>
 #include <span>
-#include <utility>
-#include <vector>
 
 #include "renderer/accel/carved_lanes-inl.h"
 #include "renderer/accel/instance_soa.h"
@@ -24,6 +22,7 @@
 #include "renderer/integrator/lane_batch-inl.h"
 #include "renderer/integrator/lane_light-inl.h"
 #include "renderer/integrator/wavefront-inl.h"
+#include "renderer/integrator/whitted_segments-inl.h"
 #include "renderer/integrator/whitted_surfaces.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/shading/clamped_normal.h"
@@ -35,39 +34,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
-
-/// Some rays that hit one instance, a lane each, and what lies there. What fills the vector up is
-/// one of them again.
-struct HitBundle {
-  uint32_t places[kLanes];  ///< in the front
-  uint32_t bits;            ///< of lanes that are rays
-  Lanes3 direction;
-  Lanes path_length;  ///< up to the hit
-  Lanes3 throughput;
-
-  LaneSurface surface;
-  Lanes3 shift;                     ///< LocalSurface::smooth_shift
-  Lanes3 tint;                      ///< LocalSurface::vertex_color, in the lanes `tinted`
-  uint32_t tinted;                  ///< lanes that have a vertex colour
-  uint32_t materials[kLanes];       ///< LocalSurface::material
-  Lanes3 geometric_normal, normal;  ///< seen from where the rays came
-  Lanes3 diffuse;
-  Lanes3 seen;  ///< from there, by the surface itself
-
-  // Of the light that is asked for now.
-  uint32_t lit;     ///< lanes that it reaches, whatever is in the way
-  uint32_t shaded;  ///< those where something is
-  Lanes3 arriving, share;
-};
-
-/// At most one segment of each camera ray.
-struct WhittedRays : WavefrontRays {
-  uint32_t depth[RayBatch::kMost];  ///< reflections and refractions so far
-  // Where not all surfaces are simple.
-  uint32_t passes[RayBatch::kMost];       ///< surfaces passed unbent so far
-  double view_distance[RayBatch::kMost];  ///< metres back to the viewer or the last bend
-  Media media[RayBatch::kMost];           ///< that the ray begins in
-};
 
 /// Follows what each camera ray brings segment by segment, in the order in which it would be
 /// followed alone, whatever the others meet.
@@ -86,9 +52,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       std::fill_n(now_->passes, keys.size(), 0u);
       std::fill_n(now_->view_distance, keys.size(), 0.0);
       std::fill_n(now_->media, keys.size(), surfaces_.at_camera());
-      std::fill_n(top_, keys.size(), WaitingSegment::kNone);
-      std::fill_n(followed_, keys.size(), 1u);
-      waiting_.clear();
+      waiting_.begin(keys.size());
     }
     follow_all([this] HWY_ATTR { step(); });
   }
@@ -154,32 +118,17 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     if (scene_.features.rich) state_.cone = cones_[number];
     Branches branches;
     bring(place, surfaces_.look(segment, hits_[place], keys_[number], branches, state_));
-    for (const PathSegment& branch : branches.all()) put_aside(branch, number);
-  }
-  void put_aside(const PathSegment& segment, uint32_t number) {
-    if (free_ == WaitingSegment::kNone) {
-      free_ = static_cast<uint32_t>(waiting_.size());
-      waiting_.emplace_back();
-    }
-    const uint32_t at = free_;
-    free_ = waiting_[at].below;
-    waiting_[at] = {segment, top_[number]};
-    top_[number] = at;
+    for (const PathSegment& branch : branches.all()) waiting_.put_aside(branch, number);
   }
   /// Each camera ray whose segment sends none on by itself goes on with what waits last.
   void go_on_with_waiting() {
     for (uint32_t place = 0; place < now_->rays.count; ++place) {
-      const uint32_t number = now_->number[place], at = top_[number];
-      if ((sent_on_ >> place & 1) != 0 || at == WaitingSegment::kNone) continue;
-      if (followed_[number]++ >= kMaxSegments) {
+      const uint32_t number = now_->number[place];
+      if ((sent_on_ >> place & 1) != 0 || !waiting_.any(number)) continue;
+      if (waiting_.is_cut(number))
         ++state_.counters.paths_cut;
-        top_[number] = WaitingSegment::kNone;
-        continue;
-      }
-      WaitingSegment& next = waiting_[at];
-      send(next.segment, number);
-      top_[number] = std::exchange(next.below, free_);
-      free_ = at;
+      else
+        send(waiting_.take(number), number);
     }
   }
   void send(const PathSegment& segment, uint32_t number) {
@@ -575,16 +524,6 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       bundles[rays.bundle[i]].shaded |= 1u << rays.lane[i];
     }
   }
-  /// Of shadow_ray().
-  static Lanes3 shadow_origin(const HitBundle& bundle, const Lanes3& wi, const Lanes3& towards) {
-    const Lanes zero = hn::Zero(kLaneTag);
-    const auto lifted = hn::Gt(dot(bundle.shift, bundle.geometric_normal), zero);
-    const auto over_facet = hn::And(lifted, hn::Gt(dot(bundle.normal, wi), zero));
-    if (hn::AllFalse(kLaneTag, over_facet)) return origin_towards(bundle.surface, towards);
-    const Lanes3 origin =
-        origin_towards(bundle.surface, select(over_facet, bundle.geometric_normal, towards));
-    return select(over_facet, add(origin, bundle.shift), origin);
-  }
 
   // ------------------------------------------------------------------------------------ mirrors
 
@@ -644,29 +583,12 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     sent_on_ |= uint64_t{1} << place;
   }
 
-  /// mirror_direction() in the lanes `bent`.
-  static Lanes3 bent_back(const HitBundle& bundle, const Lanes3& way, uint32_t bent) {
-    if (bent == 0) return way;
-    const Stored3 shading(bundle.normal), facets(bundle.geometric_normal), d(bundle.direction);
-    Stored3 ways(way);
-    while (bent != 0) {
-      const size_t lane = take_lowest_lane(bent);
-      const Vec3 facet = facets.vec(lane), wo = -d.vec(lane);
-      ways.put(lane, mirror_direction(clamped_normal(shading.vec(lane), facet, wo), facet, wo));
-    }
-    return ways.load();
-  }
-
   static constexpr size_t kMostBundles = (RayBatch::kMost + kLanes - 1) / kLanes;
   const Surfaces& surfaces_;
   std::span<const SampleKey> keys_;
   HitBundle bundles_[kMostBundles];
-  // Of what is not simple, by camera rays.
-  std::vector<WaitingSegment>& waiting_ = waiting_segments();
-  uint32_t top_[RayBatch::kMost];       ///< what waits last, in waiting_, or kNone
-  uint32_t followed_[RayBatch::kMost];  ///< segments
-  uint32_t free_ = WaitingSegment::kNone;
-  uint64_t sent_on_ = 0;  ///< a bit for each place of the front with a segment in the next one
+  WaitingSegments waiting_;  ///< of what is not simple
+  uint64_t sent_on_ = 0;     ///< a bit for each place of the front with a segment in the next one
 };
 
 }  // namespace HWY_NAMESPACE
