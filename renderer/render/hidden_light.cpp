@@ -93,14 +93,17 @@ void HiddenLight::find_specks(const Scene& scene) {
     const Instance& instance = scene.instances[i];
     const Bounds3 box = instance.world_from_object.bounds(instance.shape->bounds());
     Vec2 low{1e30, 1e30}, high{-1e30, -1e30};
+    bool is_before_camera = true;
     for (int corner = 0; corner < 8; ++corner) {
       const auto raster = scene.camera->raster_of({corner & 1 ? box.max.x : box.min.x,
                                                    corner & 2 ? box.max.y : box.min.y,
                                                    corner & 4 ? box.max.z : box.min.z});
+      is_before_camera = raster.has_value();
       if (!raster) break;
       low = {std::min(low.x, raster->x), std::min(low.y, raster->y)};
       high = {std::max(high.x, raster->x), std::max(high.y, raster->y)};
     }
+    if (!is_before_camera) continue;
     const double pixels = (high.x - low.x) * (high.y - low.y) * std::numbers::pi / 4;
     const Vec2 center{(low.x + high.x) / 2, (low.y + high.y) / 2};
     const bool in_frame = center.x >= 0 && center.y >= 0 && center.x < scene.settings.width &&
