@@ -462,7 +462,7 @@ MUTATIONS = [
              "bundles[rays.bundle[i]].shaded", "bundles[rays.bundle[i] / 2].shaded", "integrator_test",
              "WhittedBatches.*"),
     Mutation("rows: shadow rays leave the facet, not the surface that it stands for",
-             "renderer/integrator/whitted_wavefront-inl.h",
+             "renderer/integrator/whitted_segments-inl.h",
              "return select(over_facet, add(origin, bundle.shift), origin);", "return origin;",
              "integrator_test", "WhittedBatches.*"),
     Mutation("rows: a triangle's normal is a plain product's", "renderer/shapes/lane_triangle-inl.h",
