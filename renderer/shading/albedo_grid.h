@@ -51,6 +51,15 @@ class AlbedoGrid {
     }
   }
 
+  static constexpr int kRows = kAlphas + 1;
+  const Value& mean_of(int row) const { return mean_[row]; }
+  /// Applies a linear `change` to all values of one step of alpha, and so to their mean.
+  template <typename Change>
+  void change(int row, const Change& change) {
+    for (Value& value : at_[row]) change(value);
+    change(mean_[row]);
+  }
+
   Value at(double alpha, double cosine) const {
     const Step a = step_at(std::sqrt(alpha), kAlphas), c = step_at_cosine(cosine);
     const auto along = [&](int row) {

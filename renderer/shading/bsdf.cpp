@@ -152,10 +152,8 @@ void Bsdf::set_coat(const BsdfPoint& point) {
     coat_white_o_ = coated_facets(CoatedFacets::white, coat_alpha_, alpha, wo_.z);
     coat_dielectric_o_ = coated_facets(CoatedFacets::dielectric, coat_alpha_, alpha, wo_.z);
   } else if (glass_albedo_) {
-    turned_back_ = coat_ * turned_back(wo_.z);
-    mean_turned_back_ =
-        glass_albedo_->mean_turned_back(coat_alpha_, glass_alpha_) +
-        glass_albedo_->mean_lost(true, glass_alpha_) * goes_through_ * (1 - coat_between_);
+    turned_back_ = coat_ * glass_albedo_->turned_back(coat_alpha_, glass_alpha_, wo_.z);
+    mean_turned_back_ = glass_albedo_->mean_turned_back(coat_alpha_, glass_alpha_);
   }
 }
 

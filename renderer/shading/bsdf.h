@@ -133,10 +133,9 @@ class Bsdf {
   /// What it leaves of light that goes through the glass.
   double coat_before_beyond(double cosine) const;
   double glass_lost(bool inside, double cosine) const;
-  double mean_glass_lost(bool inside) const;
+  double glass_lost_to(bool beyond, bool inside, double cosine) const;
+  double mean_glass_lost_to(bool beyond, bool inside) const;
   double sheet_fresnel(double cosine) const;
-  /// What of light from inside, along `cosine`, a whole coat turns back into the glass.
-  double turned_back(double cosine) const;
   /// What it leaves of an even base's light and of facets'.
   double coat_over_even(double cos_i, double mean) const;
   double coat_over_facets(CoatedFacets kind, double facets_o, double cos_i) const;

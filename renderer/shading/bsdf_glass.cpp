@@ -25,8 +25,7 @@ void Bsdf::set_glass(const Material& material, double share, double alpha, const
     glass_albedo_ = material.glass_albedo;
   }
   between_glass_ = glass_lost(from_inside_, wo_.z);
-  goes_through_ =
-      thin_ ? 1 - sheet_fresnel(kMeanCosine) : glass_albedo_->through(from_inside_, glass_alpha_);
+  if (between_glass_ > 0) goes_through_ = glass_lost_to(true, from_inside_, wo_.z) / between_glass_;
 }
 
 /// What the facets of rough glass send neither back nor through at once.
@@ -35,20 +34,27 @@ double Bsdf::glass_lost(bool inside, double cosine) const {
   return std::max(glass_albedo_->lost(inside, glass_alpha_, cosine), 0.0);
 }
 
-double Bsdf::mean_glass_lost(bool inside) const {
-  if (thin_) return 1 - mean_facet_albedo(glass_alpha_).of_white();
-  return glass_albedo_->mean_lost(inside, glass_alpha_);
+/// Of that, what goes on to one side in the end.
+double Bsdf::glass_lost_to(bool beyond, bool inside, double cosine) const {
+  const double lost = glass_lost(inside, cosine);
+  const double through = thin_ ? lost * (1 - sheet_fresnel(kMeanCosine))
+                               : glass_albedo_->through(inside, glass_alpha_, cosine);
+  return beyond ? through : lost - through;
+}
+
+/// Its mean over the hemisphere, by the cosine.
+double Bsdf::mean_glass_lost_to(bool beyond, bool inside) const {
+  const double lost = thin_ ? 1 - mean_facet_albedo(glass_alpha_).of_white()
+                            : glass_albedo_->mean_lost(inside, glass_alpha_);
+  const double through = thin_ ? lost * (1 - sheet_fresnel(kMeanCosine))
+                               : glass_albedo_->mean_through(inside, glass_alpha_);
+  return beyond ? through : lost - through;
 }
 
 /// Both faces of a sheet reflect, and what is between them does so again and again.
 double Bsdf::sheet_fresnel(double cosine) const {
   const double fresnel = fresnel_dielectric(std::min(cosine, 1.0), eta_);
   return 2 * fresnel / (1 + fresnel);
-}
-
-double Bsdf::turned_back(double cosine) const {
-  return glass_albedo_->turned_back(coat_alpha_, glass_alpha_, cosine) +
-         glass_lost(true, cosine) * goes_through_ * (1 - coat_between_);
 }
 
 BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
@@ -59,18 +65,19 @@ BsdfValue Bsdf::evaluate_glass(const Vec3& wi) const {
     const double way = beyond ? goes_through_ : 1 - goes_through_;
     value.density =
         value.density * (1 - between_glass_) + p_glass_ * between_glass_ * way * density;
-    const double lost = glass_lost(there, cosine);
     const double coat = beyond ? coat_before_beyond(cosine) : coat_over_even(cosine, coat_between_);
-    const double share =
-        glass_ * coat * between_glass_ * way * lost / mean_glass_lost(there) * density;
+    const double mean = mean_glass_lost_to(beyond, there);
+    const double to = mean > 0 ? glass_lost_to(beyond, there, cosine) / mean : 0;
+    const double share = glass_ * coat * between_glass_ * way * to * density;
     value.share += beyond ? tint_ * (share / denser_beyond_) : kWhite * share;
   }
   if (turned_back_ == 0) return value;
   value.density *= 1 - turned_back_;
   if (beyond) return value;
   value.density += p_glass_ * turned_back_ * density;
-  value.share +=
-      kWhite * (glass_ * turned_back_ * turned_back(cosine) / mean_turned_back_ * density);
+  value.share += kWhite * (glass_ * turned_back_ *
+                           glass_albedo_->turned_back(coat_alpha_, glass_alpha_, cosine) /
+                           mean_turned_back_ * density);
   return value;
 }
 
@@ -84,7 +91,8 @@ BsdfValue Bsdf::evaluate_glass_facets(const Vec3& wi) const {
   if (o <= 0 || (i > 0) == beyond) return {};
   const Ggx ggx(glass_alpha_);
   const double fresnel = fresnel_dielectric(std::min(o, 1.0), eta_);
-  const double d = ggx.distribution(half), g = ggx.shadowing(wi, wo_);
+  const double d = ggx.distribution(half),
+               g = beyond ? ggx.shadowing_through(wi, wo_) : ggx.shadowing(wi, wo_);
   const double visible = ggx.masking(wo_) * o * d / wo_.z;
   const double passes = beyond
                             ? coat_before_beyond(-wi.z)

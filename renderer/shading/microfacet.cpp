@@ -27,12 +27,29 @@ FacetAlbedo integrate(double root_alpha, double cosine) {
   return sum;
 }
 
+/// ln of the gamma function, z >= 1, to ten digits (Stirling's series).
+double log_gamma(double z) {
+  double factors = 1;
+  for (; z < 8; ++z) factors *= z;
+  const double inverse = 1 / z, squared = inverse * inverse;
+  const double rest =
+      inverse * (1.0 / 12 - squared * (1.0 / 360 - squared * (1.0 / 1260 - squared / 1680)));
+  constexpr double kHalfLogOfTwoPi = 0.91893853320467274178;
+  return (z - 0.5) * portable::log(z) - z + kHalfLogOfTwoPi + rest - portable::log(factors);
+}
+
 const Grid& albedo_grid() {
   static const Grid grid(integrate);
   return grid;
 }
 
 }  // namespace
+
+double Ggx::shadowing_through(const Vec3& wi, const Vec3& wo) const {
+  // The beta function of 1 + either lambda.
+  const double i = 1 + lambda(wi), o = 1 + lambda(wo);
+  return portable::exp(log_gamma(i) + log_gamma(o) - log_gamma(i + o));
+}
 
 double Ggx::distribution(const Vec3& h) const {
   const double a2 = alpha_ * alpha_;

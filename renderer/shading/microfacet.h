@@ -29,10 +29,13 @@ class Ggx {
   double distribution(const Vec3& h) const;
   /// The share of facets seen from `w` that nothing hides.
   double masking(const Vec3& w) const { return 1 / (1 + lambda(w)); }
-  /// The share seen from both sides at once: `wi` and `wo` before the surface, or one beyond it.
+  /// The share seen from both `wi` and `wo`, which are on one side.
   double shadowing(const Vec3& wi, const Vec3& wo) const {
     return 1 / (1 + lambda(wi) + lambda(wo));
   }
+  /// The same where they are on either side: what stands high is deep for the other (Heitz et al.
+  /// 2016, "Multiple-Scattering Microfacet BSDFs with the Smith Model").
+  double shadowing_through(const Vec3& wi, const Vec3& wo) const;
   /// A facet's normal as seen from `wo`, wo.z > 0 (Dupuy and Benyoub 2023, "Sampling Visible GGX
   /// Normals with Spherical Caps").
   Vec3 sample_visible(const Vec3& wo, const Vec2& u) const;
