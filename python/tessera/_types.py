@@ -39,7 +39,7 @@ Aovs = Union["Aov", Literal["all"], Sequence["Aov"]]
 
 # Words of options and settings that are text in messages.
 Accelerator = Literal["bvh", "bvh-splits", "octree", "nonuniform-octree", "embree", "linear"]
-Integrator = Literal["auto", "whitted", "path", "normals", "depth", "albedo", "ids", "cost", "samples",
+Integrator = Literal["auto", "whitted", "path", "normals", "depth", "albedo", "ids", "wireframe", "cost", "samples",
                      "error"]
 Shadows = Literal["on", "by-light", "off"]
 FloatAov = Literal["albedo", "normal", "depth", "position", "variance", "samples"]

@@ -27,9 +27,9 @@ IntegratorKind integrator_kind(const std::string& name) {
 
 View view_of(const std::string& name) {
   constexpr std::pair<const char*, View> kViews[] = {
-      {"normals", View::normals}, {"depth", View::depth}, {"albedo", View::albedo},
-      {"ids", View::ids},         {"cost", View::cost},   {"samples", View::samples},
-      {"error", View::error}};
+      {"normals", View::normals}, {"depth", View::depth},         {"albedo", View::albedo},
+      {"ids", View::ids},         {"wireframe", View::wireframe}, {"cost", View::cost},
+      {"samples", View::samples}, {"error", View::error}};
   for (const auto& [view_name, view] : kViews) {
     if (name == view_name) return view;
   }
@@ -147,8 +147,9 @@ SamplerSettings read_sampler(const v1::FrameSettings& frame) {
 }  // namespace
 
 const std::vector<std::string>& integrator_names() {
-  static const std::vector<std::string> names{"auto",   "whitted", "path", "normals", "depth",
-                                              "albedo", "ids",     "cost", "samples", "error"};
+  static const std::vector<std::string> names{"auto",  "whitted", "path", "normals",
+                                              "depth", "albedo",  "ids",  "wireframe",
+                                              "cost",  "samples", "error"};
   return names;
 }
 

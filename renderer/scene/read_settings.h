@@ -20,7 +20,7 @@ enum class IntegratorKind { automatic, whitted, path };
 /// The counter of building where that was done: 1 for path, 0 for whitted.
 inline constexpr char kAutoChosePath[] = "auto_chose_path";
 /// What is shown instead of light.
-enum class View { none, normals, depth, albedo, ids, cost, samples, error };
+enum class View { none, normals, depth, albedo, ids, wireframe, cost, samples, error };
 
 /// The names of --integrator; the first is the default.
 const std::vector<std::string>& integrator_names();

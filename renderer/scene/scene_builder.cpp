@@ -229,6 +229,7 @@ class SceneBuilder {
       case View::depth:
       case View::albedo:
       case View::ids:
+      case View::wireframe:
         return material.inputs != kNoMaterialInputs;
       case View::none:
       case View::cost:
@@ -240,7 +241,8 @@ class SceneBuilder {
   }
   bool shows_colors(const Material& material) const {
     const View view = scene_->settings.view;
-    const bool hides_colors = (view == View::normals || view == View::depth || view == View::ids) &&
+    const bool hides_colors = (view == View::normals || view == View::depth || view == View::ids ||
+                               view == View::wireframe) &&
                               !scene_->settings.aovs.has(Aov::albedo);
     return hides_colors ? material.inputs != kNoMaterialInputs : material.uses_vertex_color();
   }

@@ -398,5 +398,26 @@ TEST(TileRenderer, views_show_normals_and_depth) {
   EXPECT_EQ(view("depth"), (std::vector<float>{9, 9, 9}));
 }
 
+TEST(TileRenderer, wireframe_shows_the_edges_of_triangles) {
+  constexpr char kSquare[] = R"(
+    cameras { world_from_camera { steps { translate { z: 10 } } } }
+    nodes { shape { mesh { inline_positions: [-9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0]
+                           inline_triangles: [0, 1, 2, 0, 2, 3] } } }
+    settings { integrator { kind: 'wireframe' } })";
+  const auto renderer = make_tile_renderer(parse_scene(kSquare), {}, frame_of(9, 9), 1);
+  TileProgress progress;
+  const auto tile = renderer->render({{0, 0, 9, 9}, 0, 1}, progress);
+  ASSERT_TRUE(tile);
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 0; x < 9; ++x) {
+      // The diagonal goes up to the right.
+      const float level = tile->values[static_cast<size_t>(3 * (9 * y + x))];
+      EXPECT_EQ(level < 0.1f, x + y == 8) << x << ' ' << y << ": " << level;
+    }
+  }
+  const std::string ball = std::string(kSphere) + "settings { integrator { kind: 'wireframe' } }";
+  EXPECT_NEAR(render_pixel(ball)[0], 0.6, 1e-6) << "which has no triangles";
+}
+
 }  // namespace
 }  // namespace tessera
