@@ -90,6 +90,9 @@ SceneInfo inspect(const InfoOptions& wanted) {
   for (const std::string& warning : picture_warnings(options, loaded)) {
     info.warnings.push_back(warning);
   }
+  for (const std::string& warning : mesh_warnings(scene->counters)) {
+    info.warnings.push_back(warning);
+  }
   return info;
 }
 

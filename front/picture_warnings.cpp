@@ -14,6 +14,7 @@
 #include "proto/wire/printable.h"
 #include "renderer/math/transform.h"
 #include "renderer/scene/read_settings.h"
+#include "renderer/scene/scene_builder.h"
 #include "scenes/import/to_affine.h"
 
 namespace tessera {
@@ -192,7 +193,7 @@ std::vector<std::string> report_warnings(const JobReport& report) {
     const auto at = counters.find(name);
     return at == counters.end() ? 0 : at->second;
   };
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = mesh_warnings(report.build_counters);
   if (const uint64_t lost = count(report.counters, "nan_samples"); lost > 0) {
     warnings.push_back(fmt::format(
         "{} had no colour that a pixel can hold and count as black; expected light and colours "

@@ -18,8 +18,8 @@ namespace tessera {
 std::vector<std::string> picture_warnings(const RenderOptions& options, const LoadedScene& loaded);
 /// Those, after what was told of reading the scene: each once.
 std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);
-/// What of a picture that was traced is hardly what was meant: samples that were no colour, or
-/// nothing but the background.
+/// What of a picture that was traced is hardly what was meant: what its scene leaves out, samples
+/// that were no colour, or nothing but the background.
 std::vector<std::string> report_warnings(const JobReport& report);
 /// That much of a picture of light is brighter than white, where a file of integers is among
 /// `paths` and its tone curve just cuts that off, and by how much less light it would show.

@@ -30,7 +30,7 @@ void add_choice(OptionGroup& group, const char* name, const char* type, const ch
 void add_read_options(OptionList& list, ReadOptions& options) {
   using X3dColor = ReadOptions::Color;
   using Shadows = ReadOptions::Shadows;
-  using Texture = ReadOptions::X3dTexture;
+  using X3dTexture = ReadOptions::X3dTexture;
   using Up = ReadOptions::Up;
   OptionGroup scene(list, "Scene");
   scene.add_text(
@@ -79,13 +79,14 @@ void add_read_options(OptionList& list, ReadOptions& options) {
              options.x3d_shadows,
              std::array<std::pair<const char*, Shadows>, 3>{
                  {{"on", Shadows::on}, {"file", Shadows::file}, {"off", Shadows::off}}});
-  add_choice(group, "--x3d-texture", "version|replace|modulate",
-             "A coloured texture replaces the material's colour, or multiplies it [version: up to "
-             "3.3 it replaces]",
-             options.x3d_texture,
-             std::array<std::pair<const char*, Texture>, 3>{{{"version", Texture::by_version},
-                                                             {"replace", Texture::replace},
-                                                             {"modulate", Texture::modulate}}});
+  add_choice(
+      group, "--x3d-texture", "version|replace|modulate",
+      "A coloured texture replaces the material's colour, or multiplies it [version: up to "
+      "3.3 it replaces]",
+      options.x3d_texture,
+      std::array<std::pair<const char*, X3dTexture>, 3>{{{"version", X3dTexture::by_version},
+                                                         {"replace", X3dTexture::replace},
+                                                         {"modulate", X3dTexture::modulate}}});
   group.add(
       "--x3d-weld", "DISTANCE",
       "Points of a node this near share smooth normals as if they were one [only the same do]",

@@ -1,4 +1,5 @@
 #include <pybind11/stl.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "python/interruptible.h"
 #include "python/scene_values.h"
 #include "renderer/scene/scene.h"
+#include "renderer/scene/scene_builder.h"
 #include "scenes/formats/read_scene.h"
 #include "scenes/formats/scene_summary.h"
 
@@ -44,7 +46,9 @@ py::tuple load(const std::string& path, const OptionValues& values, int32_t fram
 }
 
 std::shared_ptr<const Scene> build(const SceneWithBlobs& made, const RenderOptions& options) {
-  return check_buildable(options, load_frame(options, made, 0));
+  auto built = check_buildable(options, load_frame(options, made, 0));
+  for (const std::string& warning : build_warnings(built->counters)) spdlog::warn(warning);
+  return built;
 }
 
 /// Around every surface at the scene's instant; nothing where there is none, or where the scene

@@ -1,6 +1,7 @@
 #include "query/ray_queries.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -87,6 +88,7 @@ RayQueries::RayQueries(const v1::Scene& description, const BlobStore& blobs,
       threads_(threads),
       scene_(build_scene(description_, blobs_, frame_, threads, {}, kScopeOfQueries, &names_)),
       insides_(std::make_unique<Insides>()) {
+  for (const std::string& warning : build_warnings(scene_->counters)) spdlog::warn(warning);
   const std::vector<Instance>& instances = scene_->instances;
   if (instances.size() == 1 && instances[0].world_from_object.is_identity() &&
       !instances[0].flip_normals)

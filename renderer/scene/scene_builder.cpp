@@ -1,7 +1,6 @@
 #include "renderer/scene/scene_builder.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -419,11 +418,7 @@ class SceneBuilder {
     counters["features_absent"] = static_cast<uint64_t>(scene_->features.absent());
     counters["instances_opaque"] =
         static_cast<uint64_t>(std::count(is_clear_.begin(), is_clear_.end(), false));
-    if (graph_.flat_nodes > 0) {
-      spdlog::warn("{} scaled to nothing or out of range: left out",
-                   counted(graph_.flat_nodes, "node"));
-    }
-    if (dropped > 0) spdlog::warn("{} without an area: left out", counted(dropped, "triangle"));
+    counters["nodes_dropped"] = graph_.flat_nodes;
   }
 
   const v1::Scene& description_;
@@ -450,6 +445,29 @@ std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const Blo
                                          const Sharing& sharing, const BuildScope& scope,
                                          SceneNames* names) {
   return SceneBuilder(description, blobs, frame, threads, sharing, scope, names).build();
+}
+
+namespace {
+
+void tell_dropped(const CounterMap& counters, const char* name, const char* what, const char* why,
+                  std::vector<std::string>& warnings) {
+  const auto count = counters.find(name);
+  if (count == counters.end() || count->second == 0) return;
+  warnings.push_back(fmt::format("{} {}: left out", counted(count->second, what), why));
+}
+
+}  // namespace
+
+std::vector<std::string> mesh_warnings(const CounterMap& counters) {
+  std::vector<std::string> warnings;
+  tell_dropped(counters, "triangles_dropped", "triangle", "without an area", warnings);
+  return warnings;
+}
+
+std::vector<std::string> build_warnings(const CounterMap& counters) {
+  std::vector<std::string> warnings = mesh_warnings(counters);
+  tell_dropped(counters, "nodes_dropped", "node", "scaled to nothing or out of range", warnings);
+  return warnings;
 }
 
 }  // namespace tessera

@@ -32,4 +32,10 @@ std::shared_ptr<const Scene> build_scene(const v1::Scene& description, const Blo
                                          const Sharing& sharing = {}, const BuildScope& scope = {},
                                          SceneNames* names = nullptr);
 
+/// What was left out of a scene that hardly was meant to be, from its counters: whoever builds it
+/// for a user tells.
+std::vector<std::string> build_warnings(const CounterMap& counters);
+/// Those of triangles alone, where nodes are told by their names.
+std::vector<std::string> mesh_warnings(const CounterMap& counters);
+
 }  // namespace tessera

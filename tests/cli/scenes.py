@@ -69,7 +69,7 @@ def two_meshes_scene():
         rings, segments = 24, 32
         for i in range(rings + 1):
             for j in range(segments):
-                u, v = math.pi * i / rings, 2 * math.pi * j / segments
+                u, v = math.pi * (i + .5) / (rings + 1), 2 * math.pi * j / segments
                 radius = 0.9 + 0.1 * math.cos(7 * v) * math.sin(5 * u)
                 positions += [x + radius * math.sin(u) * math.cos(v), 1 + radius * math.cos(u),
                               radius * math.sin(u) * math.sin(v)]

@@ -360,11 +360,19 @@ def test_messages_name_values_with_their_article_and_whole_characters():
 
 @pytest.mark.parametrize("use", [
     lambda scene: scene.check(), lambda scene: scene.info(),
-    lambda scene: scene.tracer(), lambda scene: pickle.loads(pickle.dumps(scene.tracer())),
-    lambda scene: scene.render(size=(4, 4), workers=0)])
+    lambda scene: scene.tracer(), lambda scene: pickle.loads(pickle.dumps(scene.tracer()))])
 def test_what_is_left_out_of_a_scene_is_logged_at_once(caplog, use):
     use(ts.Scene(nodes=[ts.Sphere(), ts.Sphere(transform=ts.scale(0))], background=1))
     assert "1 node scaled to nothing or out of range: left out" in caplog.text
+
+
+def test_what_a_picture_leaves_out_is_warned_of():
+    flat = ts.Scene(nodes=[ts.Sphere(), ts.Sphere(transform=ts.scale(0))], background=1)
+    with pytest.warns(ts.SceneWarning, match="node: its transform makes it flat"):
+        flat.render(size=(4, 4), workers=0)
+    mesh = ts.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 1]])
+    with pytest.warns(ts.SceneWarning, match="^1 triangle without an area: left out$"):
+        ts.Scene(nodes=[mesh], background=1).render(size=(4, 4), workers=0)
 
 
 def test_find_looks_at_each_part_once():

@@ -37,6 +37,15 @@ TEST(ReportWarnings, TellNothingOfWhatWasNotTracedNow) {
   EXPECT_TRUE(report_warnings(stopped).empty());
 }
 
+TEST(ReportWarnings, TellWhatTheSceneLeavesOut) {
+  JobReport made = report(9, 1, 0);
+  made.build_counters["triangles_dropped"] = 2;
+  EXPECT_EQ(only_warning(made), "2 triangles without an area: left out");
+  made.build_counters["triangles_dropped"] = 0;
+  made.build_counters["nodes_dropped"] = 1;
+  EXPECT_TRUE(report_warnings(made).empty()) << "which the scene's warnings name";
+}
+
 TEST(ReportWarnings, CountWhatHadNoColour) {
   JobReport odd = report(9, 1, 0);
   odd.counters["nan_samples"] = 2;
