@@ -171,6 +171,7 @@ class Flattener {
     }
     const double number = PyFloat_AsDouble(given.ptr());
     if (number == -1 && PyErr_Occurred()) {
+      refuse_overflow(name_);
       if (!PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
       PyErr_Clear();
       throw py::type_error(fmt::format("{}: {}; expected numbers", name_,

@@ -41,6 +41,12 @@ py::error_already_set python_error(const char* name, const std::string& message)
   return {};
 }
 
+void refuse_overflow(const std::string& name) {
+  if (!PyErr_Occurred() || !PyErr_ExceptionMatches(PyExc_OverflowError)) return;
+  PyErr_Clear();
+  throw py::value_error(name + ": a number above all that a float has; expected a smaller one");
+}
+
 std::string with_article(const std::string& noun) {
   const bool is_vowel =
       !noun.empty() && std::string_view("AEIOaeio").find(noun[0]) != std::string_view::npos;
@@ -71,6 +77,8 @@ void bind_errors(py::module_&) {
       set_python_error("MissingFile", error.what(), {{"filename", error.path()}});
     } catch (const Error& error) {
       translate(error);
+    } catch (const py::value_error& error) {
+      set_python_error("UsageError", error.what());
     }
   });
 }

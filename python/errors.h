@@ -18,6 +18,10 @@ pybind11::object error_class(const char* name);
 void set_python_error(const char* name, const std::string& message,
                       const std::vector<std::pair<const char*, std::string>>& keywords = {});
 
+/// Throws a UsageError in place of Python's OverflowError, if that is raised: a whole number that
+/// is too large for a float was given as `name`.
+void refuse_overflow(const std::string& name);
+
 /// Makes `tessera.errors.NAME(message)`, for `throw`.
 pybind11::error_already_set python_error(const char* name, const std::string& message);
 

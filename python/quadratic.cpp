@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "python/bindings.h"
+#include "python/errors.h"
 #include "python/value_reader.h"
 
 namespace py = pybind11;
@@ -43,6 +44,7 @@ py::tuple real_roots(py::handle a, py::handle b, py::handle c) {
   for (int i = 0; i < 3; ++i) {
     given[i] = PyFloat_AsDouble(objects[i].ptr());
     if (given[i] == -1 && PyErr_Occurred()) {
+      refuse_overflow({"abc"[i]});
       if (!PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
       PyErr_Clear();
       throw py::type_error(

@@ -248,7 +248,7 @@ py::dict statistics(const RayQueries& queries) {
   return out;
 }
 
-void bind_queries(py::class_<RayQueries>& tracer) {
+void bind_queries(py::class_<RayQueries, std::shared_ptr<RayQueries>>& tracer) {
   tracer
       .def("intersect",
            [](const RayQueries& queries, const py::object& o, const py::object& d,
@@ -300,12 +300,13 @@ void bind_queries(py::class_<RayQueries>& tracer) {
              });
            })
       .def("open_meshes",
-           [](const RayQueries& queries) {
-             std::vector<std::tuple<uint32_t, size_t, uint32_t, uint32_t>> found;
-             const GilRelease release;
-             for (const RayQueries::OpenMesh& mesh : queries.open_meshes())
-               found.emplace_back(mesh.instance, mesh.edges, mesh.from, mesh.to);
-             return found;
+           [](const std::shared_ptr<RayQueries>& queries) {
+             return run_abandonably([queries](const std::atomic<bool>&) {
+               std::vector<std::tuple<uint32_t, size_t, uint32_t, uint32_t>> found;
+               for (const RayQueries::OpenMesh& mesh : queries->open_meshes())
+                 found.emplace_back(mesh.instance, mesh.edges, mesh.from, mesh.to);
+               return found;
+             });
            })
       .def("attributes",
            [](const RayQueries& queries, const py::object& o, const py::object& d,
@@ -347,8 +348,8 @@ void bind_queries(py::class_<RayQueries>& tracer) {
 }  // namespace
 
 void bind_tracer(py::module_& module) {
-  auto tracer =
-      bind_class<RayQueries>(module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
+  auto tracer = bind_class<RayQueries, std::shared_ptr<RayQueries>>(
+      module, "Tracer", "The geometry of a scene, for `tessera.Tracer`.");
   tracer
       .def(py::init([](const py::object& scene, std::optional<double> time,
                        const std::string& camera, const std::string& accelerator, int threads,

@@ -4,6 +4,7 @@
 
 #include "python/array_source.h"
 #include "python/bindings.h"
+#include "python/errors.h"
 #include "python/value_reader.h"
 
 namespace py = pybind11;
@@ -19,10 +20,7 @@ struct Vec {
 /// TypeError in place of another, ValueError for a number too large; what is none of the value
 /// passes.
 [[noreturn]] void refuse(const std::string& found) {
-  if (PyErr_Occurred() && PyErr_ExceptionMatches(PyExc_OverflowError)) {
-    PyErr_Clear();
-    throw py::value_error("a number above all that a float has; expected a smaller one");
-  }
+  refuse_overflow("vector");
   if (PyErr_Occurred() && !PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
   PyErr_Clear();
   throw py::type_error(found + "; expected a vector of 3 numbers");
@@ -119,6 +117,7 @@ auto with_number(F f) {
   return [f](const Vec& a, py::handle b) {
     const double number = PyFloat_AsDouble(b.ptr());
     if (number != -1 || !PyErr_Occurred()) return py::cast(f(a, number));
+    refuse_overflow("Vec");
     if (!PyErr_ExceptionMatches(PyExc_TypeError)) throw py::error_already_set();
     PyErr_Clear();
     return not_implemented();

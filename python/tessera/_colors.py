@@ -9,7 +9,7 @@ from . import _core
 from ._arguments import nearest, number
 from ._core import Vec
 from ._types import ColorLike
-from .errors import SceneError
+from .errors import SceneError, UsageError
 
 class Color(NamedTuple):
     """A colour in linear RGB; 1 is full reflectance or unit radiance. Sums, differences and multiples
@@ -51,7 +51,7 @@ def _as_color(result: Any) -> Any:
 
 def color(given: ColorLike) -> Color:
     """The colour of a name ("red"), of "#c33" or "#cc3333" (sRGB, decoded), of three numbers, or grey
-    of one, from 0 on. Raises SceneError for other text, ValueError for all else."""
+    of one, from 0 on. Raises SceneError for other text, UsageError for all else."""
     if isinstance(given, str):
         return _from_text(given)
     numbers: Any = given
@@ -61,18 +61,18 @@ def color(given: ColorLike) -> Color:
             return Color(*3 * (float(numbers),))
         r, g, b = (float(c) for c in (() if isinstance(numbers, bytes) else numbers))
     except (TypeError, ValueError, OverflowError):
-        raise ValueError(f"color: {given!r:.100}; expected a name, '#rrggbb', three numbers or one") from None
+        raise UsageError(f"color: {given!r:.100}; expected a name, '#rrggbb', three numbers or one") from None
     return Color(r, g, b)
 
 
 def hsl(hue: float, saturation: float, lightness: float) -> Color:
     """The colour of a hue in degrees, a saturation and a lightness from 0 to 1, decoded from sRGB.
-    Raises ValueError for others."""
+    Raises UsageError for others."""
     for name, share in (("saturation", saturation), ("lightness", lightness)):
         if not 0 <= number(name, share) <= 1:
-            raise ValueError(f"{name}: {share}; expected a number from 0 to 1")
+            raise UsageError(f"{name}: {share}; expected a number from 0 to 1")
     if not math.isfinite(number("hue", hue)):
-        raise ValueError(f"hue: {hue}; expected a finite number of degrees")
+        raise UsageError(f"hue: {hue}; expected a finite number of degrees")
     return Color(*map(_core.srgb_to_linear, colorsys.hls_to_rgb(hue / 360 % 1, lightness, saturation)))
 
 

@@ -11,7 +11,7 @@ from ._messages import Object
 from ._nodes import Node
 from ._value import Value
 from ._value_types import PartsLike, TransformsLike
-from .errors import nesting_ends
+from .errors import UsageError, nesting_ends
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +28,7 @@ class Instances(Value):
         transforms: An array (n, 3, 4) of float64, parent from instance.
         names: The names of the nodes, if they have any.
 
-    Raises TypeError and ValueError for arrays of other types and shapes, and for another number of names.
+    Raises TypeError and UsageError for arrays of other types and shapes, and for another number of names.
     """
 
     __slots__ = ("object", "_transforms", "names")
@@ -48,7 +48,7 @@ class Instances(Value):
         self.transforms = transforms  # type: ignore[assignment]
         self.names = None if names is None else [str(name) for name in several(names, "names")]
         if self.names is not None and len(self.names) != len(self):
-            raise ValueError(f"names: {len(self.names)}; expected {len(self)}, one an instance")
+            raise UsageError(f"names: {len(self.names)}; expected {len(self)}, one an instance")
 
     @property
     def transforms(self) -> npt.NDArray[np.float64]:

@@ -14,7 +14,7 @@ from ._callers import level_of_caller
 from ._options import option_texts
 from ._places import located_errors
 from ._types import Path, Up, X3dColor, X3dShadows, X3dTexture
-from .errors import (Error, SceneError, SceneWarning, UsageError, nesting_ends,
+from .errors import (Error, SceneError, SceneWarning, UsageError, in_python, nesting_ends,
                      scene_error)
 from .rendering import checked_scene
 from .scene import Scene
@@ -55,7 +55,7 @@ def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Pat
         scene: Scene
         scene, told = _core.load(name, option_texts(options), frame_number("frame", frame))
     for warning in told:
-        warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
+        warnings.warn(in_python(warning), SceneWarning, stacklevel=level_of_caller())
     return scene
 
 

@@ -65,7 +65,7 @@ def _triangles_of(cells: Mapping[str, Any]) -> Optional[ArrayLike]:
     halves = {"triangle": [0, 1, 2], "quad": [0, 1, 2, 0, 2, 3]}
     for kind, rows in cells.items():
         if kind not in halves and kind not in ("vertex", "line"):
-            raise ValueError(f"cells: {len(rows)} of kind '{kind}'; expected those of kinds 'triangle' and 'quad', "
+            raise UsageError(f"cells: {len(rows)} of kind '{kind}'; expected those of kinds 'triangle' and 'quad', "
                              "beside them 'vertex' and 'line'")
     parts = [np.asarray(rows)[:, halves[kind]].reshape(-1, 3) for kind, rows in cells.items() if kind in halves]
     return np.concatenate(parts) if parts else None
@@ -88,7 +88,7 @@ class Mesh(_messages.Mesh, Shape):
         copy; True copies always.
 
     Numbers of files' own arrays are `inline_positions`, `inline_triangles`, `inline_normals` and
-    `inline_uvs`. Raises TypeError and ValueError that tell the argument, for arrays of other types or
+    `inline_uvs`. Raises TypeError and UsageError that tell the argument, for arrays of other types or
     shapes, masked values, and indices of no vertex.
     """
 
@@ -133,7 +133,7 @@ class Mesh(_messages.Mesh, Shape):
             count = self._take_positions(positions, copy, recenter)
             if triangles is None:
                 if count % 3:
-                    raise ValueError(f"positions: {count} without triangles; expected a multiple of 3")
+                    raise UsageError(f"positions: {count} without triangles; expected a multiple of 3")
                 triangles = [(i, i + 1, i + 2) for i in range(0, count, 3)]
         for field, given in (("triangles", triangles), ("normals", normals), ("uvs", uvs),
                              ("colors", colors), ("tangents", tangents),
@@ -190,7 +190,7 @@ class Mesh(_messages.Mesh, Shape):
     def _check_material(material: Optional[Union[str, _messages.Material]]) -> None:
         """Refuses one material for a mesh whose triangles choose among several."""
         if material is not None:
-            raise ValueError("material: for a Mesh with face_materials, whose triangles have their own; "
+            raise UsageError("material: for a Mesh with face_materials, whose triangles have their own; "
                              "expected materials, one for each index")
 
     def _take_positions(self, given: ArrayLike, copy: Optional[bool], recenter: bool) -> int:
@@ -217,7 +217,7 @@ class Mesh(_messages.Mesh, Shape):
               **unknown: NoReturn) -> Mesh:
         """The mesh of an object that has `vertices` or `points`, and `faces`, `triangles` or `cells`:
         those of trimesh, Open3D and meshio. Cells of meshio that are quads become two triangles each.
-        Raises TypeError for another object, ValueError for other cells, and what `Mesh` raises.
+        Raises TypeError for another object, UsageError for other cells, and what `Mesh` raises.
         """
         positions = next((getattr(source, name) for name in ("vertices", "points")
                           if getattr(source, name, None) is not None), None)

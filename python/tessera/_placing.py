@@ -10,7 +10,7 @@ from ._messages import Classic, CsgOperation, Material, Node, Object, Plane, Sce
 from ._places import located_errors
 from ._transforms import Transform, matrix, scale, translate
 from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
-from .errors import nesting_ends
+from .errors import UsageError, nesting_ends
 from .rays import Hits, Tracer, tracer_from_scene
 
 if TYPE_CHECKING:
@@ -29,13 +29,13 @@ class Placed:
         transform: Optional[Transform]
 
     def shift(self: T, v: VectorLike) -> T:
-        """Moves it by the vector `v`, in metres. Raises TypeError or ValueError for what is no vector of
+        """Moves it by the vector `v`, in metres. Raises TypeError or UsageError for what is no vector of
         three numbers."""
         return self._place_by(translate(v))
 
     def reflect(self: T, point: VectorLike) -> T:
         """Mirrors it through a point, a vector in metres: p goes to 2 point - p. Its front stays its front.
-        Raises TypeError or ValueError for what is no vector of three numbers."""
+        Raises TypeError or UsageError for what is no vector of three numbers."""
         return self._place_by(translate(Vec(point) * 2) @ scale(-1))
 
     def mirror(self: T, plane: Plane) -> T:
@@ -236,7 +236,7 @@ def _flipped(thing: Any, copies: Dict[int, Any]) -> Any:
     if thing is None:
         return None
     if isinstance(thing, str):
-        raise ValueError(f"flip: an instance of '{thing}'; expected one of an Object, not of a name")
+        raise UsageError(f"flip: an instance of '{thing}'; expected one of an Object, not of a name")
     if id(thing) not in copies:
         made = thing.__copy__()
         for name, held in _turned(thing, copies).items():

@@ -143,7 +143,7 @@ def Triangle(a: VectorLike, b: VectorLike, c: VectorLike, *, name: Optional[str]
              material: Optional[Union[str, Material]] = None, **unknown: NoReturn,
              ) -> Polygon:
     """The triangle with these corners, in metres, which go round counter-clockwise seen from its
-    front. Its edges belong to it. Many triangles are better one `Mesh`. Raises TypeError or ValueError
+    front. Its edges belong to it. Many triangles are better one `Mesh`. Raises TypeError or UsageError
     for what is no vector of three numbers.
     """
     fields = _common_fields(locals())

@@ -11,7 +11,7 @@ from ._callers import level_of_caller
 from ._messages import ImageTextureEncoding, ImageTextureFilter, ImageTextureWrap, TextureMapping
 from ._transforms import Transform
 from ._types import ArrayLike, Path
-from .errors import MissingFile, SceneWarning
+from .errors import MissingFile, SceneWarning, UsageError, in_python
 
 class ImageTexture(_messages.ImageTexture):
     """A picture, from an array (h, w) or (h, w, channels) of uint8, uint16, float16 or float32, or
@@ -22,7 +22,7 @@ class ImageTexture(_messages.ImageTexture):
     multiplied by alpha; a file tells itself.
 
     Raises MissingFile where there is no file, SceneError where it holds no picture, TypeError and
-    ValueError for arrays of other types and shapes.
+    UsageError for arrays of other types and shapes.
     """
 
     __slots__ = ()
@@ -51,7 +51,7 @@ class ImageTexture(_messages.ImageTexture):
                 raise MissingFile.of(self.file, "a picture")
             texels, is_associated, told = _core.read_texture(self.file, encoding or "")
             for warning in told:
-                warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
+                warnings.warn(in_python(warning), SceneWarning, stacklevel=level_of_caller())
             if is_associated:
                 self.associated_alpha = True
             self._take(texels, encoding)
@@ -61,7 +61,7 @@ class ImageTexture(_messages.ImageTexture):
     def _take(self, texels: _core.Array, encoding: Optional[str]) -> None:
         shape = texels.shape
         if len(shape) not in (2, 3) or 0 in shape or (len(shape) == 3 and not 1 <= shape[2] <= 4):
-            raise ValueError(f"texels: shape {shape}; expected (h, w) or (h, w, c) with 1 to 4 channels")
+            raise UsageError(f"texels: shape {shape}; expected (h, w) or (h, w, c) with 1 to 4 channels")
         self.height, self.width = shape[:2]
         self.channels = shape[2] if len(shape) == 3 else 1
         self.bits = 8 * memoryview(texels).itemsize  # type: ignore[arg-type]

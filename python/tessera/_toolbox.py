@@ -20,7 +20,7 @@ LIGHT_2 = (0.476, 0.5239, 0.0)
 
 def reflect(v: VectorLike, n: VectorLike) -> Vec:
     """The vector `v`, a direction, mirrored in a surface with the normal `n`, which may have any length but 0.
-    The result is as long as `v`. Raises ValueError for a normal of length 0.
+    The result is as long as `v`. Raises UsageError for a normal of length 0.
     """
     normal = Vec(n).normalized()
     direction = Vec(v)
@@ -60,7 +60,7 @@ class Classic(_messages.Classic):
         :param roughness: takes up to .3 times this off the brightness, by lot at each point.
         :param mirror: adds all that is seen in an ideal mirror.
 
-        Raises ValueError for a colour that is none; a render raises SceneError for numbers out of
+        Raises UsageError for a colour that is none; a render raises SceneError for numbers out of
         their range.
         """
         if unknown:

@@ -50,7 +50,7 @@ class Transform(_messages.Transform):
         return array
 
     def inverse(self) -> Transform:
-        """The transform that undoes this one, as a matrix. Raises ValueError where there is none, as for
+        """The transform that undoes this one, as a matrix. Raises UsageError where there is none, as for
         a scale of 0."""
         return Transform([TransformStep(matrix=Matrix(_core.inverse_matrix(self)))])
 
@@ -73,10 +73,10 @@ def translate(x: Any, y: Any = None, z: Any = None) -> Transform:
 
 def rotate(axis: Union[Literal["x", "y", "z"], VectorLike], degrees: float) -> Transform:
     """Turns by so many `degrees` about an axis through the origin ("x", "y", "z" or a vector), by the
-    right-hand rule. Raises ValueError for other text."""
+    right-hand rule. Raises UsageError for other text."""
     axes = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
     if isinstance(axis, str) and axis not in axes:
-        raise ValueError(f"axis: '{axis}'; expected 'x', 'y', 'z' or a vector")
+        raise UsageError(f"axis: '{axis}'; expected 'x', 'y', 'z' or a vector")
     about = axes[axis] if isinstance(axis, str) else axis
     return Transform([TransformStep(rotate=AxisAngle(about, degrees))])
 
@@ -97,13 +97,13 @@ def scale(x: Any, y: Any = None, z: Any = None) -> Transform:
 
 def matrix(rows: ArrayLike) -> Transform:
     """The transform of a (3, 4) or (4, 4) matrix that acts on columns; a fourth row is 0 0 0 1. Raises
-    ValueError for others."""
+    UsageError for others."""
     try:
         array = _core.take_matrices(rows, "matrix")
     except ValueError as error:
-        raise ValueError(str(error).replace("(any, 3, 4) or (any, 4, 4)", "(3, 4) or (4, 4)")) from None
+        raise UsageError(str(error).replace("(any, 3, 4) or (any, 4, 4)", "(3, 4) or (4, 4)")) from None
     if array.shape[0] != 1:
-        raise ValueError(f"matrix: {array.shape[0]} matrices; expected one")
+        raise UsageError(f"matrix: {array.shape[0]} matrices; expected one")
     numbers = memoryview(array).cast("B").cast("d").tolist()  # type: ignore[arg-type]
     return Transform([TransformStep(matrix=Matrix(numbers))])
 
@@ -116,12 +116,12 @@ def look_at(eye: VectorLike, target: VectorLike, up: Optional[VectorLike] = None
 
 
 def keys(pairs: Iterable[Tuple[float, Transform]]) -> List[TransformKey]:
-    """The keys of a motion, from pairs of time, in seconds, and transform. Raises ValueError for what is no
+    """The keys of a motion, from pairs of time, in seconds, and transform. Raises UsageError for what is no
     pair."""
     made = []
     for pair in several(pairs, "pairs"):
         both: List[Any] = several(pair, "pairs")
         if len(both) != 2:
-            raise ValueError(f"pairs: {pair!r:.100}; expected (time, transform)")
+            raise UsageError(f"pairs: {pair!r:.100}; expected (time, transform)")
         made.append(TransformKey(*both))
     return made

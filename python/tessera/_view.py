@@ -97,7 +97,7 @@ class Camera(_messages.Camera):
                **unknown: NoReturn) -> Camera:
         """A camera at `eye` that looks at `centre` through a screen half-way between them, `width`
         metres wide and as high as the picture's shape makes it; up is (0, 0, 1). `eye` and `centre` are
-        points in metres. Raises TypeError or ValueError for what is no vector of three numbers.
+        points in metres. Raises TypeError or UsageError for what is no vector of three numbers.
         """
         distance = (Vec(centre) - Vec(eye)).length
         angle = 2 * math.degrees(math.atan2(width, distance))

@@ -18,7 +18,7 @@ class MeshIntersector:
     of rays and triangles are int64, locations float64. Hits come by ray, then by distance. A ray
     through a shared edge or vertex hits each triangle there; a closed mesh contains what
     `Tracer.contains` says. Points and directions are (n, 3), in the unit of the mesh. Raises UsageError
-    for arrays of other shapes, ValueError for a wrong mesh."""
+    for arrays of other shapes and for a wrong mesh."""
 
     @tells_unknown
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:

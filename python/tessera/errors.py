@@ -134,12 +134,15 @@ def nesting_ends(value: object, path: str = "") -> Iterator[None]:
 _CLASS_OF_CODE: dict[int, type[Error]] = {1: SceneError, 2: UsageError, 3: RenderError, 4: Cancelled}
 
 
+def in_python(message: str) -> str:
+    """A message of the renderer whose options are called as Python has them: "--min-spp" is min_spp."""
+    return re.sub(r"(?<![^\s(])--([a-z0-9][a-z0-9-]*)", lambda m: m.group(1).replace("-", "_"), message)
+
+
 def from_core(message: str, code: int, file: str) -> Error:
-    """The exception for an error of the renderer with that exit code, in that file if in any. Options are
-    called as Python has them: "--min-spp" is min_spp."""
+    """The exception for an error of the renderer with that exit code, in that file if in any."""
+    message = in_python(message)
     if code == UsageError.code:
-        message = re.sub(r"^JOB\b", "job", message)  # as the command line calls it
-        message = re.sub(r"(?<![^\s(])--([a-z0-9][a-z0-9-]*)", lambda m: m.group(1).replace("-", "_"), message)
-        return UsageError(message)
+        return UsageError(re.sub(r"^JOB\b", "job", message))  # as the command line calls it
     place = re.match(r"(.+?:\d+(?::\d+)?): ", message)
     return _CLASS_OF_CODE.get(code, RenderError)(message, place=place.group(1) if place else file)

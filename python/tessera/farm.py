@@ -16,7 +16,7 @@ from ._options import core_options
 from ._places import located_errors
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, ToneMap,
                      Transfer, Up, View, X3dColor, X3dShadows, X3dTexture)
-from .errors import Error, SceneWarning, UsageError
+from .errors import Error, SceneWarning, UsageError, in_python
 from .picture import Image
 from .rendering import checked_scene, with_picture
 
@@ -101,7 +101,7 @@ class Farm(BaseFarm):
                 core_options(options, of_jobs=True), scene,
                 "" if name is None else named_text("name", name), priority, weight)
         for warning in told:
-            warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
+            warnings.warn(in_python(warning), SceneWarning, stacklevel=level_of_caller())
         return Job(self, number)
 
     def jobs(self) -> List["Job"]:

@@ -144,12 +144,13 @@ class Tracer:
     hidden nodes are not there. A ray whose numbers are not all finite, or without a direction, hits
     nothing."""
 
-    __slots__ = ("_core", "_options", "_names", "_open")
+    __slots__ = ("_core", "_options", "_names", "_open", "_has_told_open")
 
     def __init__(self, core: _core.Tracer, options: Options) -> None:
         self._core, self._options = core, options
         self._names: Optional[List[str]] = None
         self._open: Optional[List[Tuple[int, int, int, int]]] = None  # meshes, see _core
+        self._has_told_open = False
 
     @classmethod
     def _of(cls, scene: Union[_core.ValueBase, _core.Array, str, bytes], options: Options, assets: str = "") -> Tracer:
@@ -269,10 +270,9 @@ class Tracer:
 
     def _tell_open(self, refuses: bool) -> None:
         """Tells of meshes that are not closed: once, or by UsageError."""
-        is_new = self._open is None
         if self._open is None:
             self._open = self._core.open_meshes()
-        if not self._open or not (is_new or refuses):
+        if not self._open or (self._has_told_open and not refuses):
             return
         number, count, begin, end = self._open[0]
         more = f", nor are {len(self._open) - 1} more" if len(self._open) > 1 else ""
@@ -282,6 +282,7 @@ class Tracer:
         if refuses:
             raise UsageError(f"contains: {text}")
         warnings.warn(f"contains: {text}", SceneWarning, stacklevel=level_of_caller())
+        self._has_told_open = True  # not where the warning was an error
 
     def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
         if shape is None:

@@ -25,7 +25,7 @@ from ._progress import SHOW_SECONDS, Callbacks, Progress, ProgressOption, TileCa
 from ._types import (Accelerator, Aovs, Crop, Integrator, Path, Pattern, Shadows, Size, Up, View,
                      X3dColor, X3dShadows, X3dTexture)
 from .errors import (Cancelled, Error, MissingFile, RenderError, SceneError, SceneWarning,
-                     UsageError)
+                     UsageError, in_python)
 from .picture import Image
 
 _LOOK_SECONDS = .02  # how often a waiting thread looks for signals
@@ -128,7 +128,7 @@ class Task(OfThisProcess):
         except Error as error:
             raise with_picture(error, image) from None
         for warning in self._task.warnings():
-            _warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
+            _warnings.warn(in_python(warning), SceneWarning, stacklevel=level_of_caller())
         assert image is not None
         return image
 
@@ -374,7 +374,7 @@ def render(scene: Union[Scene, Path], *, size: Optional[Size] = None, crop: Opti
             core, told = _core.make_task(options, scene,
                                          None if frame is None else frame_number("frame", frame))
         for warning in told:
-            _warnings.warn(warning, SceneWarning, stacklevel=level_of_caller())
+            _warnings.warn(in_python(warning), SceneWarning, stacklevel=level_of_caller())
         if callbacks.wants_tiles() or not waits:
             core.keep_tiles()
         who._submit(core)

@@ -1,5 +1,6 @@
 #include "renderer/math/transform.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderer/math/elementary.h"
@@ -11,6 +12,24 @@ namespace {
 Affine from_columns(const Vec3& x, const Vec3& y, const Vec3& z, const Point3& origin) {
   Affine a;
   for (int r = 0; r < 3; ++r) a.m[r] = {x[r], y[r], z[r], origin[r]};
+  return a;
+}
+
+/// A power of two by which the linear part is to be multiplied before it is inverted: 1, unless its
+/// determinant is too large or too small for a number while its parts are not.
+double balance_of(const Affine& a) {
+  const double determinant = std::abs(a.determinant());
+  if (determinant > 1e-300 && determinant < 1e300) return 1;
+  double largest = 0;
+  for (const auto& row : a.m)
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(row[c]));
+  if (!(largest > 0) || !std::isfinite(largest)) return 1;
+  return std::ldexp(1, -std::clamp(std::ilogb(largest), -1022, 1022));
+}
+
+Affine scaled(Affine a, double by) {
+  for (auto& row : a.m)
+    for (int c = 0; c < 3; ++c) row[c] *= by;
   return a;
 }
 
@@ -33,7 +52,9 @@ Affine operator*(const Affine& a, const Affine& b) {
   return c;
 }
 
-Affine inverse(const Affine& a) {
+Affine inverse(const Affine& given) {
+  const double balance = balance_of(given);
+  const Affine a = balance == 1 ? given : scaled(given, balance);
   const double determinant = a.determinant();
   Affine b;
   for (int i = 0; i < 3; ++i) {
@@ -43,6 +64,7 @@ Affine inverse(const Affine& a) {
           difference_of_products(a.m[i1][j1], a.m[i2][j2], a.m[i1][j2], a.m[i2][j1]) / determinant;
     }
   }
+  if (balance != 1) b = scaled(b, balance);
   const Vec3 moved = b(Vec3{a.m[0][3], a.m[1][3], a.m[2][3]});
   // 0 - x, so that no shift gives +0 and the inverse of the identity is the identity.
   for (int r = 0; r < 3; ++r) {
@@ -71,7 +93,7 @@ bool is_finite(const Affine& a) {
 }
 
 bool is_invertible(const Affine& a) {
-  const double determinant = a.determinant();
+  const double determinant = scaled(a, balance_of(a)).determinant();
   if (!std::isfinite(determinant) || determinant == 0 || !std::isfinite(1 / determinant))
     return false;
   const Affine inverted = inverse(a);

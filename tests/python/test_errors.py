@@ -528,3 +528,11 @@ with ts.{farm} as farm:
     except MemoryError:
         print(scene.render(farm=farm) == before)
 """) == "True"
+
+
+def test_messages_call_options_as_python_has_them():
+    behind = ts.Scene(nodes=[ts.Sphere(transform=ts.translate(0, 0, 100))], background=1)
+    with pytest.warns(ts.SceneWarning, match="as with frame_all$"):
+        behind.render(size=(4, 4), workers=0)
+    with pytest.raises(ts.SceneError, match="or pattern owen-sobol"):
+        ts.Scene(spp=3, pattern="centered_grid", nodes=[ts.Sphere()]).check()

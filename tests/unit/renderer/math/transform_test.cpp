@@ -24,6 +24,17 @@ TEST(Transform, IdentityIsExact) {
   EXPECT_EQ(Transform{}.point(Point3{1, 2, 3}), (Point3{1, 2, 3}));
 }
 
+TEST(Transform, InversesOfTheHugeAndTheTinyAreExact) {
+  for (const double size : {0x1p400, 0x1p-400, 0x1p1000, 0x1p-1000}) {
+    const Affine large = scaling({size, size, 2 * size});
+    ASSERT_TRUE(is_invertible(large)) << size;
+    EXPECT_EQ(inverse(large), scaling({1 / size, 1 / size, 0.5 / size}));
+  }
+  const Affine unlike = scaling({0x1p600, 0x1p-600, 1});
+  EXPECT_FALSE(is_invertible(scaling({0x1p600, 0, 1})));
+  EXPECT_EQ(inverse(unlike), scaling({0x1p-600, 0x1p600, 1}));
+}
+
 TEST(Transform, InverseUndoesWithinItsErrorBound) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<> d(-10, 10);
