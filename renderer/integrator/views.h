@@ -22,10 +22,11 @@ std::optional<FirstSurface> first_surface(const Scene& scene, const Ray& ray, Tr
 // Views for finding faults in scenes; black where nothing is seen.
 
 /// What the first surface is:
-///   normals    the shading normal towards the viewer in world axes, (n + 1) / 2 as red, green,
-///   blue depth      metres along the ray, in all channels albedo     the share of light from
-///   everywhere that it sends on, as its material has it ids        a colour for each material of
-///   each instance wireframe  edges of triangles as dark lines, 1.2 pixels wide
+///   normals    the shading normal towards the viewer in world axes, (n + 1) / 2 as RGB
+///   depth      metres along the ray, in all channels
+///   albedo     the share of light from everywhere that it sends on, as its material has it
+///   ids        a colour for each material of each instance
+///   wireframe  edges of triangles as dark lines, 1.2 pixels wide
 /// Null for a view that is none of a surface.
 std::unique_ptr<const Integrator> make_surface_view(std::shared_ptr<const Scene> scene, View view);
 

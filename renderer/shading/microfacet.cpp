@@ -46,8 +46,10 @@ const Grid& albedo_grid() {
 }  // namespace
 
 double Ggx::shadowing_through(const Vec3& wi, const Vec3& wo) const {
-  // The beta function of 1 + either lambda.
-  const double i = 1 + lambda(wi), o = 1 + lambda(wo);
+  // The beta function of 1 + either lambda. Above, where hardly any are seen, its logarithms would
+  // lose their digits.
+  constexpr double kMost = 1e7;
+  const double i = std::min(1 + lambda(wi), kMost), o = std::min(1 + lambda(wo), kMost);
   return portable::exp(log_gamma(i) + log_gamma(o) - log_gamma(i + o));
 }
 

@@ -30,7 +30,7 @@ Color not_negative(const Color& c) {
   return {std::max(c.r, 0.0), std::max(c.g, 0.0), std::max(c.b, 0.0)};
 }
 
-double angle_between(const Vec3& a, const Vec3& b) {
+double angle_by_cosine(const Vec3& a, const Vec3& b) {
   return portable::acos(std::clamp(dot(a, b), -1.0, 1.0));
 }
 
@@ -92,7 +92,7 @@ Sky::Sky(const Vec3& to_sun, double turbidity, double intensity, const Color& gr
 
 Color Sky::radiance(const Vec3& d) const {
   if (d.y < 0) return ground_;
-  const double gamma = angle_between(d, to_sun_);
+  const double gamma = angle_by_cosine(d, to_sun_);
   double value[3];
   for (int i = 0; i < 3; ++i) value[i] = zenith_[i] * perez(perez_[i], d.y, gamma);
   return not_negative(rgb_of(value[1], value[2], value[0] * scale_));

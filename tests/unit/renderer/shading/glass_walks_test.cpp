@@ -32,6 +32,23 @@ GlassShares shares_of(const Material& material, bool from_inside, double cosine)
   return sum;
 }
 
+TEST(Ggx, FewerFacetsAreSeenFromEitherSideTheLessSteepItIs) {
+  const Ggx ggx(0.5);
+  const auto towards = [](double z) { return Vec3{std::sqrt(1 - z * z), 0, z}; };
+  const Vec3 wo = towards(0.4);
+  EXPECT_NEAR(ggx.shadowing_through({0, 0, -1}, {0, 0, 1}), 1, 1e-9);
+  double before = ggx.shadowing_through({0, 0, -1}, wo);
+  EXPECT_NEAR(before, ggx.masking(wo), 1e-9);
+  for (const double z : {0.5, 0.1, 1e-3, 1e-6, 1e-12, 1e-30, 1e-200, 0.0}) {
+    const double seen = ggx.shadowing_through(towards(-z), wo);
+    EXPECT_EQ(seen, ggx.shadowing_through(wo, towards(-z)));
+    EXPECT_LE(seen, before) << z;
+    EXPECT_GE(seen, 0) << z;
+    before = seen;
+  }
+  EXPECT_LT(before, 1e-6);
+}
+
 TEST(GlassWalks, SayWhatRandomWalksSay) {
   for (const double index : {1.15, 1.33, 1.6}) {
     const GlassAlbedo albedo(index);
