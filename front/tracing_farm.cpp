@@ -185,6 +185,8 @@ class InProcessFarm : public TracingFarm {
         worker_([this, threads, client = network_.client()] {
           WorkerOptions options;
           options.threads = threads;
+          // Its coordinator is silent while this process reads the next frame, or writes the last.
+          options.orphan_timeout = Time::max();
           options.make_renderer = [this](const auto&... scene) {
             return make_tile_renderer(scene..., Sharing{.arena = nullptr, .live = &trees_});
           };

@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 """What the program may replace, and what it leaves where it cannot write."""
 import os
+import pathlib
 import resource
+import shutil
 import stat
+import subprocess
 import time
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, SLOWER, Result, TesseraTest, wait_until
+from tessera_process import PATIENCE, PROGRAM, SLOWER, Result, TesseraTest, wait_until
 
 SMALL = ["--size", "96x96", "--workers", "0", "--threads", "1"]
 ENDINGS = ["png", "exr", "jpg", "bmp", "tif", "tga", "ppm", "webp", "hdr", "pfm", "sgi"]
@@ -47,6 +50,25 @@ class OutputFiles(TesseraTest):
                     self.assertEqual(0, self.run_program(*command).code)
                     self.assertTrue((self.folder / f"link-{name}").is_symlink())
                     self.assertNotEqual(b"old", (self.folder / f"sub/{name}").read_bytes())
+
+    def test_frames_go_on_however_long_one_takes_to_write(self):
+        """Meanwhile the thread that traces hears nothing of its coordinator."""
+        programs = self.folder / "bin"
+        programs.mkdir()
+        for file in pathlib.Path(PROGRAM).resolve().parent.glob("tessera*"):
+            shutil.copy(file, programs)
+        codec = programs / "tessera-image-codec"
+        codec.rename(programs / "codec")
+        codec.write_text(f"#!/bin/sh\nmkdir '{self.folder}/slept' 2>/dev/null && sleep 63\n"
+                         f"exec '{programs}/codec' \"$@\"\n")
+        codec.chmod(0o755)
+        done = subprocess.run([programs / "tessera", "render", self.scene, *SMALL, "--frames", "0-2", "-o", "f.exr"],
+                              cwd=self.folder, env=self.environment(), capture_output=True, text=True,
+                              timeout=PATIENCE + 63)
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertNotIn("lost worker", done.stderr)
+        self.assertEqual(3, len(list(self.folder.glob("f*.exr"))), done.stderr)
+        self.assertTrue((self.folder / "slept").exists())
 
     def test_a_link_to_nothing_yet(self):
         os.symlink("new.png", self.folder / "link.png")
