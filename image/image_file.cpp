@@ -267,7 +267,7 @@ ImageCodec::Answer decode(ImageRequest::Call call, const std::string& name, Imag
 }
 
 std::string part_note(const std::string& part) {
-  return part.empty() ? "" : fmt::format("the first part has no colours; part '{}' is read", part);
+  return part.empty() ? "" : fmt::format("part '{}' is read, not the first", part);
 }
 
 TextureImage as_texture(ImageCodec::Answer answer) {

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -47,7 +48,7 @@ class MemoryFile {
   std::string path() const { return path_of(file_); }
 
   /// A limit on file sizes, which holds here too, shows now.
-  void check_room(uint64_t bytes) const {
+  void check_size(uint64_t bytes) const {
     if (ftruncate(file_, static_cast<off_t>(bytes)) != 0 || ftruncate(file_, 0) != 0) {
       fail_image(std::strerror(errno));
     }
@@ -108,7 +109,7 @@ ImageAnswer encode(const ImageRequest& request, const std::vector<char>& pixels)
     fail_image("the pixels do not fit their layout");
   }
   const MemoryFile file;
-  file.check_room(most_encoded_bytes(pixels.size()));
+  file.check_size(most_encoded_bytes(pixels.size()));
   const auto output = OIIO::ImageOutput::create(request.format);
   if (!output) fail_image(OIIO::geterror());
   OIIO::ImageSpec spec = make_spec(request);
@@ -122,15 +123,73 @@ ImageAnswer encode(const ImageRequest& request, const std::vector<char>& pixels)
   return answer;
 }
 
-/// Room for a picture of the layout in `answer`, whose size is checked first.
-void* make_room(ImageAnswer& answer, int most_channels) {
+/// Memory for a picture of the layout in `answer`, whose size is checked first.
+void* make_pixels(ImageAnswer& answer, int most_channels) {
   if (!answer.layout.is_legal(most_channels)) fail_image("its size is out of range");
   answer.payload.resize(answer.layout.bytes());
   return answer.payload.data();
 }
 
+/// What a fourth channel that OpenImageIO calls A is.
+enum class Alpha {
+  coverage,
+  coverage_if_any,  ///< where no header says what it is: nothing, if it is 0 all over
+  nothing,
+};
+
+/// A file that is read.
+struct Picture {
+  std::unique_ptr<OIIO::ImageInput> input;
+  std::string format;
+  Alpha alpha = Alpha::coverage;
+
+  const OIIO::ImageSpec& spec() const { return input->spec(); }
+  bool is_openexr() const { return format == "openexr"; }
+};
+
+/// What the header of a Windows bitmap says of the fourth byte of a pixel.
+Alpha alpha_of_bitmap(int file) {
+  constexpr uint32_t kBitFields = 3;       // BITMAPINFOHEADER, biCompression
+  constexpr uint32_t kWithAlphaMask = 56;  // bytes of the first header that has a mask for alpha
+  std::array<uint8_t, 70> header{};
+  if (pread(file, header.data(), header.size(), 0) != static_cast<ssize_t>(header.size())) {
+    return Alpha::coverage_if_any;
+  }
+  const auto number_at = [&](size_t at) {
+    return uint32_t{header[at]} | uint32_t{header[at + 1]} << 8 | uint32_t{header[at + 2]} << 16 |
+           uint32_t{header[at + 3]} << 24;
+  };
+  if (number_at(30) != kBitFields || number_at(14) < kWithAlphaMask) return Alpha::coverage_if_any;
+  return number_at(66) == 0 ? Alpha::nothing : Alpha::coverage;
+}
+
+/// What the attributes type of Truevision TGA 2.0 says. Version 1 has none.
+Alpha alpha_of_targa(const OIIO::ImageSpec& spec) {
+  constexpr int kUseful = 3;
+  // OpenImageIO tells a type of 3, or an alpha that the header of version 1 has, by that attribute.
+  if (spec.get_int_attribute("oiio:UnassociatedAlpha") != 0) return Alpha::coverage;
+  if (spec.get_int_attribute("targa:version") < 2) return Alpha::coverage_if_any;
+  return spec.get_int_attribute("targa:alpha_type") < kUseful ? Alpha::nothing : Alpha::coverage;
+}
+
+Alpha alpha_of(const std::string& format, const OIIO::ImageSpec& spec, int file) {
+  if (format == "bmp") return alpha_of_bitmap(file);
+  return format == "targa" ? alpha_of_targa(spec) : Alpha::coverage;
+}
+
+/// Refuses what OpenImageIO 2.4 reads wrongly without a word.
+void check_tiff(const OIIO::ImageSpec& spec) {
+  const int photometric = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
+  const bool has_alpha = spec.alpha_channel >= 0;
+  if (photometric == 0 && has_alpha) fail_image("TIFF of inverted greys with alpha is not known");
+  if (photometric == 3 && has_alpha) fail_image("TIFF of a palette with alpha is not known");
+  if (spec.get_string_attribute("tiff:ColorSpace") == "color separated") {
+    fail_image("TIFF of " + std::to_string(spec.nchannels) + " inks is not known");
+  }
+}
+
 /// A reader of that format alone, whatever the file may be, which leaves colours as it has them.
-std::unique_ptr<OIIO::ImageInput> open(const std::string& format, int file) {
+Picture open(const std::string& format, int file) {
   // Asked for a format that it does not have, OpenImageIO would try all that it has.
   const auto formats = OIIO::Strutil::splits(OIIO::get_string_attribute("input_format_list"), ",");
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
@@ -141,12 +200,14 @@ std::unique_ptr<OIIO::ImageInput> open(const std::string& format, int file) {
   OIIO::ImageSpec config, spec;
   config.attribute("oiio:UnassociatedAlpha", 1);
   if (!input->open(path_of(file), spec, config)) fail_image(input->geterror());
-  return input;
+  if (format == "tiff") check_tiff(spec);
+  const Alpha alpha = alpha_of(format, spec, file);
+  return {std::move(input), format, alpha};
 }
 
 /// The channels from `first` on, as many as the layout has, which it checks.
 void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int first, ImageAnswer& answer) {
-  void* const pixels = make_room(answer, PixelLayout::kMostChannels);
+  void* const pixels = make_pixels(answer, PixelLayout::kMostChannels);
   const int end = first + answer.layout.channels;
   // Some readers fill in what a truncated file lacks, and merely say so.
   if (!input.read_image(input.current_subimage(), 0, first, end, type, pixels) ||
@@ -155,18 +216,35 @@ void read_pixels(OIIO::ImageInput& input, OIIO::TypeDesc type, int first, ImageA
   }
 }
 
-std::vector<std::string> channel_names(const std::string& format, const OIIO::ImageSpec& spec) {
-  // The formats have no names, and OpenImageIO calls the two R and G.
-  if ((format == "sgi" || format == "targa") && spec.nchannels == 2) return {"Y", "A"};
+constexpr const char* kUnused = "unused";  ///< a channel that no header gives a meaning
+
+/// OpenImageIO calls the channels of formats that have no names R, G, B and A by their number.
+bool is_grey(const Picture& picture) {
+  if (picture.format == "sgi" || picture.format == "targa") return picture.spec().nchannels == 2;
+  const int photometric = picture.spec().get_int_attribute("tiff:PhotometricInterpretation", 2);
+  return picture.format == "tiff" && photometric <= 1;
+}
+
+std::vector<std::string> channel_names(const Picture& picture) {
+  const OIIO::ImageSpec& spec = picture.spec();
   std::vector<std::string> names;
   for (int i = 0; i < spec.nchannels; ++i) names.push_back(spec.channel_name(i));
+  if (is_grey(picture)) {
+    const int alpha = picture.format == "tiff" ? spec.alpha_channel : 1;
+    for (int i = 0; i < spec.nchannels; ++i) {
+      names[static_cast<size_t>(i)] = i == 0 ? "Y" : i == alpha ? "A" : kUnused;
+    }
+  }
+  if (picture.alpha == Alpha::nothing && names.back() == "A") names.back() = kUnused;
   return names;
 }
 
 /// Whether the colours that OpenImageIO gives are multiplied by alpha, as the file says or, for
 /// WebP, as OpenImageIO 2.4 does by itself.
-bool is_associated(const std::string& format, const OIIO::ImageSpec& spec) {
+bool is_associated(const Picture& picture) {
   constexpr int kPremultiplied = 4;  // Truevision TGA 2.0, attributes type
+  const OIIO::ImageSpec& spec = picture.spec();
+  const std::string& format = picture.format;
   if (spec.get_int_attribute("oiio:UnassociatedAlpha") != 0) return false;
   if (format == "targa") return spec.get_int_attribute("targa:alpha_type") == kPremultiplied;
   return format == "openexr" || format == "tiff" || format == "webp" || format == "heif";
@@ -183,12 +261,11 @@ std::string joined(const std::vector<std::string>& names) {
   return all;
 }
 
-SampleMeaning meaning_of(const std::string& format, const OIIO::ImageSpec& spec,
-                         const ColorChannels& used) {
-  return {.from_integers =
-              !spec.channelformat(static_cast<int>(used.colors[0].value_or(used.alpha.value_or(0))))
-                   .is_floating_point(),
-          .is_associated = used.alpha.has_value() && is_associated(format, spec)};
+SampleMeaning meaning_of(const Picture& picture, const ColorChannels& used) {
+  const uint32_t channel = used.colors[0].value_or(used.alpha.value_or(0));
+  return {
+      .from_integers = !picture.spec().channelformat(static_cast<int>(channel)).is_floating_point(),
+      .is_associated = used.alpha.has_value() && is_associated(picture)};
 }
 
 /// Channels of a file, nothing for one that it lacks.
@@ -219,10 +296,10 @@ struct Window {
 };
 
 /// The window of that extent; all of the file's pixels where none of them is in its display window.
-Window window_of(const std::string& format, const OIIO::ImageSpec& spec, Extent extent,
-                 int channels, int bits) {
+Window window_of(const Picture& picture, Extent extent, int channels, int bits) {
+  const OIIO::ImageSpec& spec = picture.spec();
   const Window data{0, 0, spec.width, spec.height};
-  if (format != "openexr") return data;
+  if (!picture.is_openexr()) return data;
   const Window shown{spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
   const bool overlap = shown.x < shown.width && shown.y < shown.height && shown.x > -spec.width &&
                        shown.y > -spec.height;
@@ -274,9 +351,9 @@ void place_pixels(const ImageAnswer& read, uint32_t first, const Order& order, c
 }
 
 /// Those channels of the picture, all of that type.
-ImageAnswer read_channels(OIIO::ImageInput& input, const std::string& format, Extent extent,
-                          const Order& order, OIIO::TypeDesc type) {
-  const OIIO::ImageSpec& spec = input.spec();
+ImageAnswer read_channels(const Picture& picture, Extent extent, const Order& order,
+                          OIIO::TypeDesc type) {
+  const OIIO::ImageSpec& spec = picture.spec();
   const int bits = static_cast<int>(type.basesize()) * 8;
   uint32_t first = UINT32_MAX, last = 0;
   for (const auto& channel : order) {
@@ -285,14 +362,14 @@ ImageAnswer read_channels(OIIO::ImageInput& input, const std::string& format, Ex
     last = std::max(last, *channel);
   }
   const int channels = static_cast<int>(order.size());
-  const Window window = window_of(format, spec, extent, channels, bits);
+  const Window window = window_of(picture, extent, channels, bits);
   ImageAnswer answer{{window.width, window.height, channels, bits}, {}};
   ImageAnswer read{{spec.width, spec.height, static_cast<int>(last - first) + 1, bits}, {}};
-  read_pixels(input, type, static_cast<int>(first), read);
+  read_pixels(*picture.input, type, static_cast<int>(first), read);
   if (is_in_place(order, first) && is_same(read.layout, answer.layout)) {
     answer.payload = std::move(read.payload);
   } else {
-    make_room(answer, PixelLayout::kMostChannels);
+    make_pixels(answer, PixelLayout::kMostChannels);
     place_pixels(read, first, order, window, answer);
   }
   return answer;
@@ -305,83 +382,118 @@ std::string name_of_part(const OIIO::ImageInput& input) {
                                            std::to_string(input.current_subimage()));
 }
 
-/// Selects the first part of OpenEXR that has colours, as where a depth map comes first, and
-/// returns its name; nothing where that is the first part, or none has.
-std::string select_part(const std::string& format, OIIO::ImageInput& input) {
-  if (format != "openexr" || name_colors(channel_names(format, input.spec()))) return "";
-  for (int part = 1; part < kMostParts && input.seek_subimage(part, 0); ++part)
-    if (name_colors(channel_names(format, input.spec()))) return name_of_part(input);
-  input.seek_subimage(0, 0);
-  return "";
+/// The names of the selected part's channels, each as PART.CHANNEL.
+std::vector<std::string> names_in_part(const Picture& picture) {
+  std::vector<std::string> names = channel_names(picture);
+  for (std::string& name : names) name = name_of_part(*picture.input) + "." + name;
+  return names;
+}
+
+/// Selects the part of OpenEXR whose name and channels fit a picture best, as where a depth map or
+/// a pass of light comes first, and returns its name; nothing where that is the first part.
+std::string select_part(const Picture& picture) {
+  OIIO::ImageInput& input = *picture.input;
+  if (!picture.is_openexr()) return "";
+  int best = 0, best_rank = color_rank(names_in_part(picture));
+  for (int part = 1; part < kMostParts && input.seek_subimage(part, 0); ++part) {
+    const int rank = color_rank(names_in_part(picture));
+    if (rank >= best_rank) continue;
+    best = part;
+    best_rank = rank;
+  }
+  input.seek_subimage(best, 0);
+  return best == 0 ? "" : name_of_part(input);
+}
+
+/// Whether the last channel, of integers, is 0 in all of the pixels.
+bool is_clear(const ImageAnswer& picture) {
+  const auto size = static_cast<size_t>(picture.layout.bits / 8);
+  const size_t stride = static_cast<size_t>(picture.layout.channels) * size;
+  for (size_t end = stride; end <= picture.payload.size(); end += stride) {
+    for (size_t i = 1; i <= size; ++i)
+      if (picture.payload[end - i] != 0) return false;
+  }
+  return true;
 }
 
 ImageAnswer decode_all(const std::string& format, int file) {
-  const auto input = open(format, file);
-  std::string part = select_part(format, *input);
-  const OIIO::ImageSpec& spec = input->spec();
-  const std::vector<std::string> names = channel_names(format, spec);
+  const Picture picture = open(format, file);
+  std::string part = select_part(picture);
+  std::vector<std::string> names = channel_names(picture);
   Order order;
   for (uint32_t i = 0; i < names.size(); ++i) order.emplace_back(i);
-  ImageAnswer answer = read_channels(*input, format, Extent::crop, order, type_of(spec, order));
+  ImageAnswer answer = read_channels(picture, Extent::crop, order, type_of(picture.spec(), order));
+  if (picture.alpha == Alpha::coverage_if_any && names.back() == "A" && is_clear(answer)) {
+    names.back() = kUnused;
+  }
   answer.names = joined(names);
-  answer.meaning = meaning_of(format, spec, color_channels_of(names));
+  answer.meaning = meaning_of(picture, color_channels_of(names));
   answer.part = std::move(part);
   return answer;
 }
 
 /// The channels of the other parts of OpenEXR, each as PART.CHANNEL. Leaves this one selected.
-std::vector<std::string> channels_of_other_parts(const std::string& format,
-                                                 OIIO::ImageInput& input) {
+std::vector<std::string> channels_of_other_parts(const Picture& picture) {
+  OIIO::ImageInput& input = *picture.input;
   std::vector<std::string> names;
-  if (format != "openexr") return names;
+  if (!picture.is_openexr()) return names;
   const int selected = input.current_subimage();
   for (int part = 0; part < kMostParts && input.seek_subimage(part, 0); ++part) {
     if (part == selected) continue;
-    for (const std::string& channel : channel_names(format, input.spec())) {
-      names.push_back(name_of_part(input) + "." + channel);
-    }
+    for (std::string& name : names_in_part(picture)) names.push_back(std::move(name));
   }
   input.seek_subimage(selected, 0);
   return names;
 }
 
-/// The colour and coverage of the picture, and in `names` its other channels.
-ImageAnswer read_colors(OIIO::ImageInput& input, const std::string& format) {
-  const OIIO::ImageSpec& spec = input.spec();
-  const std::vector<std::string> names = channel_names(format, spec);
-  const ColorChannels used = color_channels_of(names);
+/// The picture of those of its channels.
+ImageAnswer read_used(const Picture& picture, const ColorChannels& used) {
   const Order order = used.in_order();
   const bool has_chroma = used.kind == ColorChannels::Kind::luminance_chroma;
-  ImageAnswer answer = read_channels(input, format, Extent::display, order,
-                                     has_chroma ? OIIO::TypeDesc::FLOAT : type_of(spec, order));
+  ImageAnswer answer =
+      read_channels(picture, Extent::display, order,
+                    has_chroma ? OIIO::TypeDesc::FLOAT : type_of(picture.spec(), order));
   if (has_chroma) {
     luminance_chroma_to_rgb(
         {reinterpret_cast<float*>(answer.payload.data()), answer.payload.size() / sizeof(float)},
         used.count());
   }
+  return answer;
+}
+
+/// The colour and coverage of the picture, and in `names` its other channels.
+ImageAnswer read_colors(const Picture& picture) {
+  std::vector<std::string> names = channel_names(picture);
+  ColorChannels used = color_channels_of(names);
+  ImageAnswer answer = read_used(picture, used);
+  if (picture.alpha == Alpha::coverage_if_any && used.alpha && is_clear(answer)) {
+    names[*used.alpha] = kUnused;
+    used = color_channels_of(names);
+    answer = read_used(picture, used);
+  }
+  const Order order = used.in_order();
   std::vector<std::string> others;
   for (uint32_t i = 0; i < names.size(); ++i) {
     if (std::find(order.begin(), order.end(), std::optional(i)) == order.end()) {
       others.push_back(names[i]);
     }
   }
-  answer.meaning = meaning_of(format, spec, used);
-  const std::vector<std::string> of_parts = channels_of_other_parts(format, input);
+  answer.meaning = meaning_of(picture, used);
+  const std::vector<std::string> of_parts = channels_of_other_parts(picture);
   others.insert(others.end(), of_parts.begin(), of_parts.end());
   answer.names = joined(others);
   return answer;
 }
 
 ImageAnswer decode(const std::string& format, int file, bool to_srgb) {
-  const auto input = open(format, file);
-  std::string part = select_part(format, *input);
-  const OIIO::ImageSpec& spec = input->spec();
-  ImageAnswer answer = read_colors(*input, format);
+  const Picture picture = open(format, file);
+  std::string part = select_part(picture);
+  ImageAnswer answer = read_colors(picture);
   answer.part = std::move(part);
   const int channels = answer.layout.channels;
   const bool has_colors = answer.layout.bits == 8 && channels >= 3;
   const OIIO::ParamValue* const profile =
-      to_srgb && has_colors ? spec.find_attribute("ICCProfile") : nullptr;
+      to_srgb && has_colors ? picture.spec().find_attribute("ICCProfile") : nullptr;
   if (profile) {
     const auto conversion =
         SrgbConversion::from({static_cast<const unsigned char*>(profile->data()),

@@ -43,6 +43,8 @@ Role role_of(std::string_view name) {
   return found == kNames.end() ? Role::other : found->second;
 }
 
+constexpr int kNoColor = 4;
+
 /// The channels that have one layer's name before their own.
 struct Layer {
   std::string_view name;  ///< empty: none
@@ -63,9 +65,9 @@ struct Layer {
     const std::string last = lower(dot == name.npos ? name : name.substr(dot + 1));
     return last == "combined" || last == "rgba" || last == "beauty";
   }
-  /// The lower the better.
+  /// As color_rank() tells.
   int rank() const {
-    if (!has_color()) return 4;
+    if (!has_color()) return kNoColor;
     if (name.empty()) return 0;
     if (is_main()) return 1;
     return colors() == 3 ? 2 : 3;
@@ -87,6 +89,11 @@ std::vector<Layer> layers_of(std::span<const std::string> names) {
     if (!channel) channel = i;
   }
   return layers;
+}
+
+std::vector<Layer>::const_iterator best_of(const std::vector<Layer>& layers) {
+  return std::min_element(layers.begin(), layers.end(),
+                          [](const Layer& a, const Layer& b) { return a.rank() < b.rank(); });
 }
 
 ColorChannels channels_of(const Layer& layer) {
@@ -144,9 +151,7 @@ std::vector<std::optional<uint32_t>> ColorChannels::in_order() const {
 
 ColorChannels color_channels_of(std::span<const std::string> names) {
   const std::vector<Layer> layers = layers_of(names);
-  const auto best =
-      std::min_element(layers.begin(), layers.end(),
-                       [](const Layer& a, const Layer& b) { return a.rank() < b.rank(); });
+  const auto best = best_of(layers);
   if (best != layers.end() && best->has_color()) return channels_of(*best);
   ColorChannels out;
   std::vector<uint32_t> others;
@@ -162,10 +167,10 @@ ColorChannels color_channels_of(std::span<const std::string> names) {
   return out;
 }
 
-bool name_colors(std::span<const std::string> names) {
+int color_rank(std::span<const std::string> names) {
   const std::vector<Layer> layers = layers_of(names);
-  return std::any_of(layers.begin(), layers.end(),
-                     [](const Layer& layer) { return layer.has_color(); });
+  const auto best = best_of(layers);
+  return best == layers.end() ? kNoColor : best->rank();
 }
 
 void samples_to_floats(std::span<const std::byte> samples, uint32_t bits, std::span<float> floats) {

@@ -37,8 +37,10 @@ struct ColorChannels {
 /// green, blue, alpha, grey, gray, I. `names` must not be empty.
 ColorChannels color_channels_of(std::span<const std::string> names);
 
-/// Whether any of the names is known as that of a colour.
-bool name_colors(std::span<const std::string> names);
+/// How well the colours that color_channels_of() takes fit a picture by their layer's name, the
+/// lower the better: 0 no layer, 1 Combined, RGBA or beauty, 2 three colours, 3 others, 4 no name
+/// is known as that of a colour.
+int color_rank(std::span<const std::string> names);
 
 /// Makes floats of numbers of 8 bits, which are divided by 255, of half floats (16 bits) or of
 /// floats (32 bits). `samples` has as many as `floats`.

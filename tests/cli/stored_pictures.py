@@ -30,9 +30,10 @@ def png(pixel, bits, size=2):
             + chunk(b"IDAT", zlib.compress(row * size)) + chunk(b"IEND", b""))
 
 
-def tiff(pixel, kind, extra=None, size=2):
+def tiff(pixel, kind, *extra, photometric=None, palette=None, size=2):
     """`kind`: bits of an integer, "half" or "float". `extra`: what TIFF 6.0 calls ExtraSamples, of the
-    last channel: 0 anything, 1 associated alpha, 2 unassociated alpha."""
+    last channels: 0 anything, 1 associated alpha, 2 unassociated alpha. `palette`: the colours, each of
+    three numbers, of which the first channel holds indices."""
     bits = {"half": 16, "float": 32}.get(kind, kind)
     letter = {"half": "e", "float": "f"}.get(kind)
     if letter:
@@ -41,12 +42,16 @@ def tiff(pixel, kind, extra=None, size=2):
         row = packed(codes(pixel, bits) * size, bits, "<")
     data = row * size
     channels = len(pixel)
-    colors = channels - (extra is not None)
+    if photometric is None:
+        photometric = 3 if palette else 2 if channels - len(extra) == 3 else 1
     entries = [(256, 3, [size]), (257, 3, [size]), (258, 3, [bits] * channels), (259, 3, [1]),
-               (262, 3, [2 if colors == 3 else 1]), (273, 4, [8]), (277, 3, [channels]),
+               (262, 3, [photometric]), (273, 4, [8]), (277, 3, [channels]),
                (278, 3, [size]), (279, 4, [len(data)]), (284, 3, [1])]
-    if extra is not None:
-        entries.append((338, 3, [extra]))
+    if palette:
+        colors = [list(color) for color in palette] + [[0] * 3] * (2 ** bits - len(palette))
+        entries.append((320, 3, codes([color[i] for i in range(3) for color in colors], 16)))
+    if extra:
+        entries.append((338, 3, list(extra)))
     entries.append((339, 3, [3 if letter else 1] * channels))
     at = 8 + len(data) + len(data) % 2
     more = at + 2 + 12 * len(entries) + 4
@@ -129,19 +134,20 @@ def pfm(pixel, size=2):
     return head + struct.pack(f"<{len(pixel) * size * size}f", *(list(pixel) * size * size))
 
 
-def targa(pixel, is_associated=False, size=2):
-    """Version 2.0, whose extension tells what alpha is."""
+def targa(pixel, attributes=3, size=2):
+    """`attributes`: the type that the extension of version 2.0 tells, which a file of version 1 lacks: 0
+    no alpha, 1 and 2 what is to be ignored, 3 alpha, 4 associated alpha; None: version 1."""
     stored = codes(pixel, 8)
     stored = stored[:1] if len(stored) == 1 else [stored[2], stored[1], stored[0], *stored[3:]]
     alpha_bits = 8 if len(pixel) == 4 else 0
     head = struct.pack("<3B5x4H2B", 0, 0, 3 if len(pixel) == 1 else 2, 0, 0, size, size,
                        8 * len(stored), 0x20 | alpha_bits)
     body = head + bytes(stored) * size * size
-    if not alpha_bits:
+    if not alpha_bits or attributes is None:
         return body
     extension = bytearray(495)
     struct.pack_into("<H", extension, 0, 495)
-    extension[494] = 4 if is_associated else 3
+    extension[494] = attributes
     return body + bytes(extension) + struct.pack("<II", len(body), 0) + b"TRUEVISION-XFILE.\0"
 
 
@@ -150,3 +156,16 @@ def sgi(pixel, bits, size=2):
     head = struct.pack(">HBBHHHHII", 474, 0, bits // 8, 3, size, size, len(pixel), 0, 2 ** bits - 1)
     return head.ljust(512, b"\0") + b"".join(packed([code] * size * size, bits)
                                              for code in codes(pixel, bits))
+
+
+def bmp(pixel, masks=None, size=2):
+    """32 bits. `masks`: the bits of red, green, blue and alpha, as version 4 of the header tells them;
+    without, the fourth byte has no meaning."""
+    red, green, blue, alpha = codes(pixel, 8)
+    body = bytes((blue, green, red, alpha)) * size * size
+    head = struct.pack("<IiiHHIIiiII", 108 if masks else 40, size, size, 1, 32, 3 if masks else 0,
+                       len(body), 2835, 2835, 0, 0)
+    if masks:
+        head = (head + struct.pack("<4I", *masks) + b"BGRs").ljust(108, b"\0")
+    at = 14 + len(head)
+    return b"BM" + struct.pack("<I4xI", at + len(body), at) + head + body

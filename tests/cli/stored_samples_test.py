@@ -7,7 +7,7 @@ import struct
 import subprocess
 import unittest
 
-from stored_pictures import chunk, exr, exr_parts, pfm, png, pnm, sgi, targa, tiff
+from stored_pictures import bmp, chunk, exr, exr_parts, pfm, png, pnm, sgi, targa, tiff
 from tessera_process import TesseraTest
 
 RGB = (188 / 255, 128 / 255, 64 / 255)
@@ -99,7 +99,27 @@ def integer_rows():
     yield Row("rgb.tga", targa(rgb), lit(rgb))
     yield Row("rgba.tga", targa(rgb + (alpha,)), lit(rgb), alpha)
     held = stored(associated(rgb + (alpha,)), 8)
-    yield Row("tied.tga", targa(held, True), lit(tuple(v / held[-1] for v in held[:-1])), alpha)
+    yield Row("tied.tga", targa(held, 4), lit(tuple(v / held[-1] for v in held[:-1])), alpha)
+    for attributes in 0, 1, 2:
+        yield Row(f"ignored{attributes}.tga", targa(rgb + (alpha,), attributes), lit(rgb))
+    yield Row("old.tga", targa(rgb + (alpha,), None), lit(rgb), alpha)
+    opaque = 0xff0000, 0xff00, 0xff, 0
+    yield Row("nothing.bmp", bmp(rgb + (0,)), lit(rgb))
+    yield Row("likely.bmp", bmp(rgb + (alpha,)), lit(rgb), alpha)
+    yield Row("masked.bmp", bmp(rgb + (alpha,), (*opaque[:3], 0xff000000)), lit(rgb), alpha)
+    yield Row("clear.bmp", bmp(rgb + (0,), (*opaque[:3], 0xff000000)), lit(rgb), 0)
+    yield Row("opaque.bmp", bmp(rgb + (alpha,), opaque), lit(rgb))
+    grey, other = stored(GREY, 8), stored((0.2, 0.3, 0.4), 8)
+    for i in range(3):
+        yield Row(f"grey_and{i}.tif", tiff(grey + other[:i + 1], 8, *[0] * (i + 1)), lit(grey))
+        yield Row(f"grey_and{i}a.tif", tiff(grey + other[:i + 1] + (alpha,), 8, *[0] * (i + 1), 2), lit(grey),
+                  alpha)
+        yield Row(f"grey_a_and{i}.tif", tiff(grey + (alpha,) + other[:i + 1], 8, 2, *[0] * (i + 1)),
+                  lit(grey), alpha)
+    yield Row("rgb_and_a.tif", tiff(rgb + other[:1] + (alpha,), 8, 0, 2), lit(rgb), alpha)
+    yield Row("white_is_0.tif", tiff(stored((1 - GREY[0],), 8), 8, photometric=0), lit(grey))
+    yield Row("palette.tif", tiff((1 / 255,), 8, palette=[(0, 0, 0), rgb]), lit(rgb))
+    yield Row("cmyk.tif", tiff(tuple(1 - v for v in rgb) + (0,), 8, photometric=5), lit(rgb))
     for is_text in False, True:
         yield Row(f"bits{is_text}.pbm", pnm((1,), 1, is_text), (1,))
         for most in 3, 31, 100, 128, 254, 255, 256, 1023, 4095, 40000, 65534, 65535:
@@ -194,6 +214,17 @@ class StoredSamples(TesseraTest):
         for i, code in enumerate((87, 46, 28)):
             self.assertAlmostEqual(light(code / 255) * 128 / 255, webp[i], delta=0.003)
 
+    def test_what_the_library_would_read_wrongly_is_refused(self):
+        rgb, alpha = stored(RGB, 8), stored(ALPHA, 8)
+        for data, told in ((tiff((1 / 255,) + alpha, 8, 2, palette=[(0, 0, 0), rgb]), "a palette with alpha"),
+                           (tiff(stored(GREY, 8) + alpha, 8, 2, photometric=0), "inverted greys with alpha"),
+                           (tiff(rgb + (0,) + alpha, 8, 2, photometric=5), "5 inks")):
+            with self.subTest(told):
+                self.write("a.tif", data)
+                self.write("scene.tessera", QUAD % {"i": 0, "file": "a.tif", "encoding": ""})
+                self.assert_error(self.run_program("render", "scene.tessera", "-o", "out.pfm"), 1,
+                                  f"a.tif: can not be read: TIFF of {told} is not known")
+
     def test_jpeg_2000_of_any_depth_and_with_alpha(self):
         """Without loss, of one colour."""
         rows = []
@@ -274,11 +305,15 @@ class StoredSamples(TesseraTest):
         self.assertEqual([[0.25] * 3], self.row_of(quad, 1))
         info = json.loads(self.run_program("info", "scene.tessera", "--json").out)
         self.assertIn("channel depth.Z of 'parts.exr'", info["unused"])
-        told = "parts.exr: the first part has no colours; part 'beauty' is read"
+        told = "parts.exr: part 'beauty' is read, not the first"
         self.assertTrue(any(told in warning for warning in info["warnings"]), info)
         result = self.run_program("compare", "parts.exr", "one.exr")
         self.assertEqual(0, result.code, result.err)
         self.assertIn(told, result.err)
+        self.write("passes.exr", exr_parts({"id": {"Y": 9}, "diffuse": dict.fromkeys("RGB", 9),
+                                            "View.Combined": dict.fromkeys("RGB", 0.75)}))
+        quad = QUAD % {"i": 0, "file": "passes.exr", "encoding": ""}
+        self.assertEqual([[0.75] * 3], self.row_of(quad, 1), "its name says that it is the picture")
         self.write("depths.exr", exr_parts({"depth": {"Z": 0.5}, "far": {"Z": 1}}))
         quad = QUAD % {"i": 0, "file": "depths.exr", "encoding": ""}
         self.assertEqual([[0.5] * 3], self.row_of(quad, 1), "none has colours: the first")
