@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/lower_case.h"
 
 namespace tessera {
 
@@ -68,27 +69,54 @@ std::optional<fs::path> AssetFolder::find(const std::string& reference) const {
   return resolve_inside(root, reference);
 }
 
+std::optional<std::string> AssetFolder::spelled(const std::string& reference) const {
+  fs::path spelled;
+  for (const fs::path& step : fs::path(reference)) {
+    std::error_code failure;
+    const fs::path place = fs::weakly_canonical(folder / spelled, failure);
+    if (failure || !is_inside(place, root)) return std::nullopt;
+    if (fs::exists(place / step, failure)) {
+      spelled /= step;
+      continue;
+    }
+    const std::string wanted = lower_case(step.string());
+    std::string best;
+    for (fs::directory_iterator entry(place, failure), end; !failure && entry != end;
+         entry.increment(failure)) {
+      const std::string name = entry->path().filename().string();
+      if (lower_case(name) == wanted && (best.empty() || name < best)) best = name;
+    }
+    if (best.empty()) return std::nullopt;
+    spelled /= best;
+  }
+  return spelled.string();
+}
+
 AssetFolder::Found AssetFolder::find_asset(const std::string& reference) const {
   constexpr size_t kMostParts = 16;
   Found found{find(reference)};
   if (found.file && is_input_file(*found.file)) return found;
   const std::string path = with_slashes(reference);
-  std::vector<std::string> ends;  // from the shortest
-  if (path != reference) ends.push_back(path);
-  for (size_t slash = path.rfind('/'); slash != path.npos && ends.size() < kMostParts;
-       slash = slash > 0 ? path.rfind('/', slash - 1) : path.npos) {
+  std::vector<std::string> ends{path};  // from the longest
+  for (size_t slash = path.find('/'); slash != path.npos; slash = path.find('/', slash + 1)) {
     ends.push_back(path.substr(slash + 1));
   }
-  std::stable_sort(ends.begin(), ends.end(),
-                   [](const std::string& a, const std::string& b) { return a.size() > b.size(); });
-  for (const std::string& end : ends) {
-    if (end.empty() || end.front() == '/') continue;
-    auto file = find(end);
-    if (!file || !is_input_file(*file)) continue;
-    found.note = fmt::format("'{}' is not there; '{}' is taken for it", reference,
-                             file->lexically_relative(root).generic_string());
-    found.file = std::move(file);
-    break;
+  if (ends.size() > kMostParts) {
+    ends.erase(ends.begin() + 1, ends.end() - static_cast<ptrdiff_t>(kMostParts - 1));
+  }
+  for (const bool in_any_case : {false, true}) {
+    for (const std::string& end : ends) {
+      if (end.empty() || end.front() == '/') continue;
+      auto name = in_any_case ? spelled(end) : end;
+      if (!name && searches_root) name = from(root).spelled(end);
+      if (!name) continue;
+      auto file = find(*name);
+      if (!file || !is_input_file(*file)) continue;
+      found.note = fmt::format("'{}' is not there; '{}' is taken for it", reference,
+                               file->lexically_relative(root).generic_string());
+      found.file = std::move(file);
+      return found;
+    }
   }
   return found;
 }

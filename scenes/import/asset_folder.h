@@ -33,10 +33,16 @@ struct AssetFolder {
   /// The same of a file that a scene is made of, such as a picture. Where there is none, as by the
   /// path that it had on another machine, one with the last parts of that path, or its name alone,
   /// is taken for it: "/home/ann/chair/textures/wood.png" finds "textures/wood.png" or "wood.png".
+  /// Where there is none of these either, upper and lower case count as the same, as on Windows.
   Found find_asset(const std::string& reference) const;
   /// What messages call the root: "the scene's folder", or "the asset root 'DIR'". With a reference
   /// that leads out of it comes which root would hold that, too.
   std::string shown_root(const std::string& reference = {}) const;
+
+ private:
+  /// The reference as the folders in `folder` spell it, with any letters of ASCII in the other
+  /// case.
+  std::optional<std::string> spelled(const std::string& reference) const;
 };
 
 }  // namespace tessera

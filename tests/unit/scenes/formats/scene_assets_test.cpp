@@ -160,7 +160,10 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
            {"/home/ann/chair/textures/wood.png", "textures/wood.png"},
            {"../wood.png", "wood.png"},
            {"maps/stone/textures/stone.png", "textures/stone.png"},
-           {"C:\\\\chair\\\\textures\\\\stone.png", "textures/stone.png"}}) {
+           {"C:\\\\chair\\\\textures\\\\stone.png", "textures/stone.png"},
+           {"Textures/Wood.PNG", "textures/wood.png"},
+           {"C:\\\\Maps\\\\TEXTURES\\\\Stone.png", "textures/stone.png"},
+           {"Maps/WOOD.png", "wood.png"}}) {
     const bool is_there = path == inside || path == "textures/wood.png";
     std::string plain = path;
     while (plain.find("\\\\") != std::string::npos) plain.replace(plain.find("\\\\"), 2, "\\");
