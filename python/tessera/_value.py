@@ -73,11 +73,11 @@ class Value(_core.ValueBase):
 
     def __copy__(self: V) -> V:
         return _rebuild(type(self), {name: _copied(value) for name, value in _slots(self).items()},
-                        getattr(self, "_place", None))
+                        getattr(self, "_place", None), getattr(self, "__dict__", {}))
 
     def __reduce__(self) -> Tuple[Any, ...]:
         held = {name: value for name, value in _slots(self).items() if value is not None}
-        return _rebuild, (type(self), held, where(self))
+        return _rebuild, (type(self), held, where(self), getattr(self, "__dict__", {}))
 
 
 @functools.lru_cache(maxsize=None)
@@ -116,14 +116,18 @@ def _copied(value: Any) -> Any:
     return value.copy() if isinstance(value, (list, dict)) else value
 
 
-def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place]) -> V:
-    """A value that was pickled. A class of `_messages` stands for the one that users see."""
+def _rebuild(made: Type[V], slots: Mapping[str, Any], place: Optional[Place],
+             attributes: Mapping[str, Any] = {}) -> V:
+    """A value that was copied or pickled; `attributes`: those of a derived class that has no slots. A
+    class of `_messages` stands for the one that users see."""
     if made.__module__ == _GENERATED:
         made = CLASSES[made._MESSAGE, made._KIND]  # type: ignore[assignment]
     value = made.__new__(made)
     for name, slot in _slots_of(made).items():
         slot.__set__(value, slots.get(name))
     value._place = place
+    if attributes:
+        value.__dict__.update(attributes)
     return value
 
 

@@ -76,6 +76,8 @@ class Camera(_messages.Camera):
         for axis, length in (("fx", fx), ("fy", fy)):
             if not 0 < length < math.inf:
                 raise UsageError(f"{axis}: {length}; expected a focal length above 0, in pixels")
+        if not 1e-3 <= fy / fx <= 1e3:
+            raise UsageError(f"fy: {fy}; expected a number from fx / 1000 to 1000 fx, which is {fx}")
         for side, count in (("width", width), ("height", height)):
             if whole(side, count) < 1:
                 raise UsageError(f"{side}: {count}; expected at least 1 pixel")

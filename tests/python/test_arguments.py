@@ -99,6 +99,22 @@ def test_a_class_that_does_not_call_its_base_is_told(use):
         use(Ball(2))
 
 
+class Marked(ts.Sphere):
+    """One with an attribute of its own."""
+    def __init__(self, marks):
+        super().__init__(radius=2)
+        self.marks = marks
+
+
+@pytest.mark.parametrize("again, is_own", [(copy.copy, False), (copy.deepcopy, True),
+                                           (lambda ball: pickle.loads(pickle.dumps(ball)), True)])
+def test_attributes_of_a_derived_class_are_copied(again, is_own):
+    ball = Marked(["a"])
+    made = again(ball)
+    assert type(made) is Marked and made == ball and made.marks == ["a"]
+    assert (made.marks is not ball.marks) == is_own
+
+
 @pytest.mark.parametrize("use", [copy.copy, copy.deepcopy, pickle.dumps])
 def test_a_task_is_neither_copied_nor_pickled(use):
     with render(wait=False) as task, pytest.raises(TypeError, match="^Task cannot be copied or pickled"):

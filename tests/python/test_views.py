@@ -68,7 +68,8 @@ def test_a_shifted_camera_frames_all():
 
 @pytest.mark.parametrize("wrong, message", [
     ({"fx": 0}, "^fx: 0.0; expected a focal length above 0"),
-    ({"fy": float("nan")}, "^fy: nan; expected"), ({"width": 0}, "^width: 0; expected at least 1")])
+    ({"fy": float("nan")}, "^fy: nan; expected"), ({"fy": 50001}, "^fy: 50001.0; expected a number from fx / 1000"),
+    ({"width": 0}, "^width: 0; expected at least 1")])
 def test_numbers_of_no_calibration_are_refused(wrong, message):
     numbers = {"fx": 50, "fy": 50, "cx": 32, "cy": 24, "width": 64, "height": 48, **wrong}
     with pytest.raises(ts.UsageError, match=message):
