@@ -1,6 +1,7 @@
 #include "renderer/film/auto_exposure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -14,14 +15,21 @@ namespace {
 constexpr double kMiddleGrey = 0.18;
 constexpr double kLeftOut = 0.1;  ///< of the pixels, at either end
 
-double stops_of(double luminance) { return portable::log(luminance) / portable::log(2); }
-
 /// Counts of pixels by the binary logarithm of their luminance.
 class Histogram {
  public:
+  Histogram() {
+    for (int part = 0; part < kBinsPerStop; ++part) {
+      starts_[static_cast<size_t>(part)] = portable::exp(part * portable::log(2) / kBinsPerStop);
+    }
+  }
+  /// `luminance` is finite and above 0.
   void add(double luminance) {
-    const double stops = std::clamp(stops_of(luminance), -kMost, kMost);
-    ++counts_[static_cast<size_t>((stops + kMost) * kBinsPerStop)];
+    int exponent = 0;
+    const double part = 2 * std::frexp(luminance, &exponent);  // from 1 to 2
+    const auto next = std::upper_bound(starts_.begin() + 1, starts_.end(), part);
+    const int bin = (exponent - 1 + kMost) * kBinsPerStop + int(next - starts_.begin()) - 1;
+    ++counts_[static_cast<size_t>(std::clamp(bin, 0, kBins - 1))];
     ++total_;
   }
   bool empty() const { return total_ == 0; }
@@ -39,8 +47,9 @@ class Histogram {
   }
 
  private:
-  static constexpr double kMost = 64, kBinsPerStop = 256;
-  std::vector<uint32_t> counts_ = std::vector<uint32_t>(size_t(2 * kMost * kBinsPerStop) + 1);
+  static constexpr int kMost = 64, kBinsPerStop = 256, kBins = 2 * kMost * kBinsPerStop + 1;
+  std::array<double, kBinsPerStop> starts_{};  ///< of the bins from 1 on
+  std::vector<uint32_t> counts_ = std::vector<uint32_t>(kBins);
   double total_ = 0;
 };
 
@@ -66,7 +75,7 @@ double auto_exposure(const Film& film) {
     if (luminance > 0 && std::isfinite(luminance)) histogram.add(luminance);
   }
   if (histogram.empty()) return 0;
-  const double stops = stops_of(kMiddleGrey) - histogram.mean();
+  const double stops = portable::log(kMiddleGrey) / portable::log(2) - histogram.mean();
   return std::round(100 * stops) / 100;
 }
 
