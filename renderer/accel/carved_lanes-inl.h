@@ -33,8 +33,8 @@ HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& o
   Lanes enter = broadcast(-1e300), leave = broadcast(1e300), flattest = zero;
   const auto narrow = [&](double min, double max, Lanes o, Lanes d) HWY_ATTR {
     const Lanes inverse = inverse_of(d);
-    const Lanes a = hn::Mul(hn::Sub(broadcast(min), o), inverse);
-    const Lanes b = hn::Mul(hn::Sub(broadcast(max), o), inverse);
+    const Lanes a = (broadcast(min) - o) * inverse;
+    const Lanes b = (broadcast(max) - o) * inverse;
     enter = hn::Max(enter, hn::Min(a, b));
     leave = hn::Min(leave, hn::Max(a, b));
     flattest = hn::Max(flattest, hn::Abs(inverse));
@@ -42,31 +42,29 @@ HWY_INLINE CarvedBoxMet meet_carved_box(const CarvedBox& carved, const Lanes3& o
   narrow(carved.box.min.x, carved.box.max.x, origin.x, direction.x);
   narrow(carved.box.min.y, carved.box.max.y, origin.y, direction.y);
   narrow(carved.box.min.z, carved.box.max.z, origin.z, direction.z);
-  const auto doubt_at = [&](Lanes t) HWY_ATTR {
-    return hn::Mul(margin, hn::Add(from, hn::Mul(hn::Abs(t), along)));
-  };
+  const auto doubt_at = [&](Lanes t) HWY_ATTR { return margin * (from + hn::Abs(t) * along); };
   const Lanes at_enter = doubt_at(enter), at_leave = doubt_at(leave);
-  const Lanes doubt = hn::Mul(hn::Max(at_enter, at_leave), flattest);
-  auto missed = hn::Or(hn::Gt(hn::Sub(enter, doubt), hn::Add(leave, doubt)),
-                       hn::Or(hn::Lt(leave, hn::Neg(doubt)), hn::Gt(enter, hn::Add(last, doubt))));
-  auto enters_outside = hn::Lt(hn::Add(enter, doubt), hn::Sub(leave, doubt));
+  const Lanes doubt = hn::Max(at_enter, at_leave) * flattest;
+  auto missed = hn::Or(hn::Gt(enter - doubt, leave + doubt),
+                       hn::Or(hn::Lt(leave, hn::Neg(doubt)), hn::Gt(enter, last + doubt)));
+  auto enters_outside = hn::Lt(enter + doubt, leave - doubt);
   auto leaves_outside = enters_outside;
-  const Lanes3 first_end = add(origin, multiply(direction, enter));
-  const Lanes3 last_end = add(origin, multiply(direction, leave));
+  const Lanes3 first_end = origin + direction * enter;
+  const Lanes3 last_end = origin + direction * leave;
   for (const CarvedBox::Hole& hole : carved.holes) {
     const Lanes radius = broadcast(hole.radius);
     const auto is_inside = [&](const Lanes3& point, Lanes by, LaneMask& outside) HWY_ATTR {
-      const Lanes3 v = subtract(point, broadcast(hole.center));
-      const Lanes squared = dot(v, v), outer = hn::Add(radius, by), inner = hn::Sub(radius, by);
-      outside = hn::And(outside, hn::Gt(squared, hn::Mul(outer, outer)));
-      return hn::And(hn::Gt(inner, zero), hn::Lt(squared, hn::Mul(inner, inner)));
+      const Lanes3 v = point - broadcast(hole.center);
+      const Lanes squared = dot(v, v), outer = radius + by, inner = radius - by;
+      outside = hn::And(outside, hn::Gt(squared, outer * outer));
+      return hn::And(hn::Gt(inner, zero), hn::Lt(squared, inner * inner));
     };
     const auto enters_inside = is_inside(first_end, at_enter, enters_outside);
     const auto leaves_inside = is_inside(last_end, at_leave, leaves_outside);
     missed = hn::Or(missed, hn::And(enters_inside, leaves_inside));
   }
   const auto is_on_ray = [&](Lanes t) HWY_ATTR {
-    return hn::And(hn::Gt(t, doubt), hn::Lt(hn::Add(t, doubt), last));
+    return hn::And(hn::Gt(t, doubt), hn::Lt(t + doubt, last));
   };
   return {
       hn::Or(hn::And(enters_outside, is_on_ray(enter)), hn::And(leaves_outside, is_on_ray(leave))),

@@ -51,10 +51,10 @@ HWY_INLINE void meet_planes(const InstanceSoA& few, uint32_t asked, const Lanes3
     const Lanes3 normal{broadcast(row.normal[0][i]), broadcast(row.normal[1][i]),
                         broadcast(row.normal[2][i])};
     const Lanes offset = broadcast(row.offset[i]), approach = dot(normal, direction);
-    const Lanes3 terms = multiply(normal, origin);
-    const Lanes height = hn::Sub(sum(terms), offset);
-    const Lanes t = hn::Div(hn::Neg(height), approach);
-    const Lanes error = hn::Mul(rounding, hn::Add(sum(abs(terms)), hn::Abs(offset)));
+    const Lanes3 terms = normal * origin;
+    const Lanes height = sum(terms) - offset;
+    const Lanes t = hn::Neg(height) / approach;
+    const Lanes error = rounding * (sum(abs(terms)) + hn::Abs(offset));
     const auto inside = hn::And(hn::Gt(t, first), hn::Lt(t, last));
     auto is_met = hn::And(inside, hn::Gt(hn::Abs(height), error));
     const auto in_front = hn::Lt(approach, zero);
@@ -70,18 +70,6 @@ HWY_INLINE Lanes along_axis(const Lanes3& v, int axis) {
 HWY_INLINE Lanes3 part_of(const double (&parts)[3][RectangleSoA::kMost], size_t i) {
   return {broadcast(parts[0][i]), broadcast(parts[1][i]), broadcast(parts[2][i])};
 }
-/// accurate_dot()
-HWY_INLINE Lanes accurate_dot(const Lanes3& a, const Lanes3& b) {
-  const Lanes parts[3][2] = {{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
-  LanesSum sum = two_product(a.x, b.x);
-  for (int i = 1; i < 3; ++i) {
-    const LanesSum product = two_product(parts[i][0], parts[i][1]);
-    const LanesSum next = two_sum(sum.high, product.high);
-    sum = {next.high, hn::Add(sum.low, hn::Add(next.low, product.low))};
-  }
-  return hn::Add(sum.high, sum.low);
-}
-
 /// Where rays cross the plane of a rectangle.
 struct RectangleCrossing {
   Lanes3 from;  ///< the corner
@@ -91,7 +79,7 @@ struct RectangleCrossing {
 HWY_INLINE RectangleCrossing cross_rectangle(const RectangleSoA& row, size_t i,
                                              const Lanes3& origin, const Lanes3& direction) {
   RectangleCrossing at;
-  at.from = subtract(origin, part_of(row.corner, i));
+  at.from = origin - part_of(row.corner, i);
   const Lanes3 normal = part_of(row.normal, i);
   if (row.axis[i] < 0) {
     at.height = accurate_dot(normal, at.from);
@@ -99,15 +87,15 @@ HWY_INLINE RectangleCrossing cross_rectangle(const RectangleSoA& row, size_t i,
     at.reach = dot(abs(normal), abs(at.from));
   } else {
     const Lanes along = along_axis(normal, row.axis[i]);
-    at.height = hn::Mul(along, along_axis(at.from, row.axis[i]));
-    at.approach = hn::Mul(along, along_axis(direction, row.axis[i]));
+    at.height = along * along_axis(at.from, row.axis[i]);
+    at.approach = along * along_axis(direction, row.axis[i]);
     at.reach = hn::Abs(at.height);
   }
   return at;
 }
 HWY_INLINE LaneMask are_close(Lanes t, Lanes other) {
   constexpr double kFarAboveRounding = 0x1p-44;
-  return hn::Le(hn::Abs(hn::Sub(t, other)), hn::Mul(hn::Abs(t), broadcast(kFarAboveRounding)));
+  return hn::Le(hn::Abs(t - other), hn::Abs(t) * broadcast(kFarAboveRounding));
 }
 
 /// Rectangle::closest_hit() with each, to its bits; in the lanes that are returned one of `asked`
@@ -120,23 +108,22 @@ HWY_INLINE LaneMask meet_rectangles(const InstanceSoA& few, uint32_t asked, cons
   const RectangleSoA& row = few.rectangles;
   const Lanes zero = hn::Zero(kLaneTag), half = broadcast(0.5);
   const Lanes steep = sum(abs(direction));
-  const Lanes slack = hn::Div(broadcast(2 * RectangleSoA::kMargin * row.extent), steep);
+  const Lanes slack = broadcast(2 * RectangleSoA::kMargin * row.extent) / steep;
   auto in_doubt = hn::Lt(steep, zero), is_rectangle = in_doubt;  // none
   Lanes height = zero, approach = broadcast(1);
   while (asked != 0) {
     const size_t i = take_lowest_lane(asked);
     const RectangleCrossing at = cross_rectangle(row, i, origin, direction);
-    const auto exact = [&] HWY_ATTR { return hn::Div(hn::Neg(at.height), at.approach); };
+    const auto exact = [&] HWY_ATTR { return hn::Neg(at.height) / at.approach; };
     const int axis = row.axis[i];
-    Lanes t =
-        axis < 0 ? exact() : hn::Neg(hn::Mul(along_axis(at.from, axis), along_axis(inverse, axis)));
-    const auto told = hn::Gt(hn::Abs(at.approach), hn::Mul(broadcast(row.grazing[i]), steep));
-    const auto too_far = hn::Gt(t, hn::Add(hn::Min(last, nearest.t), slack));
-    const auto elsewhere = hn::Or(hn::Lt(hn::Add(t, slack), first), too_far);
+    Lanes t = axis < 0 ? exact() : hn::Neg(along_axis(at.from, axis) * along_axis(inverse, axis));
+    const auto told = hn::Gt(hn::Abs(at.approach), broadcast(row.grazing[i]) * steep);
+    const auto too_far = hn::Gt(t, hn::Min(last, nearest.t) + slack);
+    const auto elsewhere = hn::Or(hn::Lt(t + slack, first), too_far);
     if (hn::AllTrue(kLaneTag, hn::And(told, elsewhere))) continue;
-    const Lanes3 p = add(multiply(direction, t), at.from);
-    const Lanes u = hn::Abs(hn::Sub(dot(part_of(row.share_u, i), p), half));
-    const Lanes v = hn::Abs(hn::Sub(dot(part_of(row.share_v, i), p), half));
+    const Lanes3 p = direction * t + at.from;
+    const Lanes u = hn::Abs(dot(part_of(row.share_u, i), p) - half);
+    const Lanes v = hn::Abs(dot(part_of(row.share_v, i), p) - half);
     const auto outside =
         hn::Or(hn::Gt(u, broadcast(row.out_u[i])), hn::Gt(v, broadcast(row.out_v[i])));
     const auto missed = hn::And(told, hn::Or(outside, elsewhere));
@@ -150,7 +137,7 @@ HWY_INLINE LaneMask meet_rectangles(const InstanceSoA& few, uint32_t asked, cons
     if ((few.seen_from_behind >> i & 1) == 0) met = hn::And(in_front, met);
     const auto at_end = hn::Or(are_close(t, first), are_close(t, last));
     if (axis >= 0 && !hn::AllFalse(kLaneTag, hn::And(met, at_end))) t = exact();
-    met = hn::And(met, hn::Gt(hn::Abs(at.height), hn::Mul(broadcast(gamma(2)), at.reach)));
+    met = hn::And(met, hn::Gt(hn::Abs(at.height), broadcast(gamma(2)) * at.reach));
     met = hn::And(met, hn::And(hn::Gt(t, first), hn::Lt(t, last)));
     in_doubt = hn::Or(in_doubt, hn::And(met, are_close(t, nearest.t)));
     const auto taken = hn::And(met, hn::Lt(t, nearest.t));
@@ -161,7 +148,7 @@ HWY_INLINE LaneMask meet_rectangles(const InstanceSoA& few, uint32_t asked, cons
     approach = hn::IfThenElse(taken, at.approach, approach);
     is_rectangle = hn::Or(is_rectangle, taken);
   }
-  nearest.t = hn::IfThenElse(is_rectangle, hn::Div(hn::Neg(height), approach), nearest.t);
+  nearest.t = hn::IfThenElse(is_rectangle, hn::Neg(height) / approach, nearest.t);
   return in_doubt;
 }
 /// Whether rectangles_met() would tell of each.

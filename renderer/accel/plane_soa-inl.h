@@ -37,14 +37,12 @@ uint32_t planes_met(const PlaneSoA& row, const Ray& ray, double limit, double* t
   for (size_t i = 0; i < row.count; i += hn::MaxLanes(tag)) {
     const FourLanes nx = hn::Load(tag, row.normal[0] + i), ny = hn::Load(tag, row.normal[1] + i),
                     nz = hn::Load(tag, row.normal[2] + i), offset = hn::Load(tag, row.offset + i);
-    const auto sum = [](FourLanes a, FourLanes b, FourLanes c)
-                         HWY_ATTR { return hn::Add(hn::Add(a, b), c); };
-    const FourLanes approach = sum(hn::Mul(nx, dx), hn::Mul(ny, dy), hn::Mul(nz, dz));
-    const FourLanes x = hn::Mul(nx, ox), y = hn::Mul(ny, oy), z = hn::Mul(nz, oz);
-    const FourLanes height = hn::Sub(sum(x, y, z), offset);
-    const FourLanes at = hn::Div(hn::Neg(height), approach);
-    const FourLanes error =
-        hn::Mul(rounding, hn::Add(sum(hn::Abs(x), hn::Abs(y), hn::Abs(z)), hn::Abs(offset)));
+    const auto sum = [](FourLanes a, FourLanes b, FourLanes c) HWY_ATTR { return a + b + c; };
+    const FourLanes approach = sum(nx * dx, ny * dy, nz * dz);
+    const FourLanes x = nx * ox, y = ny * oy, z = nz * oz;
+    const FourLanes height = sum(x, y, z) - offset;
+    const FourLanes at = hn::Neg(height) / approach;
+    const FourLanes error = rounding * (sum(hn::Abs(x), hn::Abs(y), hn::Abs(z)) + hn::Abs(offset));
     const auto inside = hn::And(hn::And(hn::Gt(at, first), hn::Lt(at, last)), hn::Le(at, most));
     hn::StoreU(at, tag, t + i);
     met |= movemask(tag, hn::And(inside, hn::Gt(hn::Abs(height), error))) << i;

@@ -49,22 +49,22 @@ RectanglesMet rectangles_met(const RectangleSoA& row, const Ray& ray, double t_m
     const auto load = [&](const double* at) HWY_ATTR { return hn::Load(tag, at + i); };
     const auto product = [&](const double(*with)[RectangleSoA::kMost], FourLanes x, FourLanes y,
                              FourLanes z) HWY_ATTR {
-      return hn::MulAdd(load(with[2]), z, hn::MulAdd(load(with[1]), y, hn::Mul(load(with[0]), x)));
+      return hn::MulAdd(load(with[2]), z, hn::MulAdd(load(with[1]), y, load(with[0]) * x));
     };
     // From the origin to the corner.
-    const FourLanes cx = hn::Sub(load(row.corner[0]), ox), cy = hn::Sub(load(row.corner[1]), oy),
-                    cz = hn::Sub(load(row.corner[2]), oz);
+    const FourLanes cx = load(row.corner[0]) - ox, cy = load(row.corner[1]) - oy,
+                    cz = load(row.corner[2]) - oz;
     const FourLanes approach = product(row.normal, dx, dy, dz);
-    const FourLanes t = hn::Div(product(row.normal, cx, cy, cz), approach);
-    const FourLanes entered_at = hn::Sub(t, t_slack);
+    const FourLanes t = product(row.normal, cx, cy, cz) / approach;
+    const FourLanes entered_at = t - t_slack;
     const FourLanes px = hn::MulSub(t, dx, cx), py = hn::MulSub(t, dy, cy),
                     pz = hn::MulSub(t, dz, cz);
     // Half where it is on the edge.
-    const FourLanes u = hn::Abs(hn::Sub(product(row.share_u, px, py, pz), half));
-    const FourLanes v = hn::Abs(hn::Sub(product(row.share_v, px, py, pz), half));
-    const auto told = hn::Gt(hn::Abs(approach), hn::Mul(load(row.grazing), length));
+    const FourLanes u = hn::Abs(product(row.share_u, px, py, pz) - half);
+    const FourLanes v = hn::Abs(product(row.share_v, px, py, pz) - half);
+    const auto told = hn::Gt(hn::Abs(approach), load(row.grazing) * length);
     const auto outside = hn::Or(hn::Gt(u, load(row.out_u)), hn::Gt(v, load(row.out_v)));
-    const auto elsewhere = hn::Or(hn::Lt(hn::Add(t, t_slack), first), hn::Gt(t, last));
+    const auto elsewhere = hn::Or(hn::Lt(t + t_slack, first), hn::Gt(t, last));
     const auto inside = hn::And(hn::Lt(u, load(row.in_u)), hn::Lt(v, load(row.in_v)));
     hn::StoreU(hn::IfThenElse(told, entered_at, broadcast(-Bounds3::kInfinity)), tag, entered + i);
     const uint32_t misses = movemask(tag, hn::And(told, hn::Or(outside, elsewhere)));

@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 /// One over each, never infinite, as SlabAxis.
 HWY_INLINE Lanes inverse_of(Lanes direction) {
   const Lanes most = broadcast(BoxSoA::kMostInverse);
-  return hn::Max(hn::Neg(most), hn::Min(hn::Div(broadcast(1), direction), most));
+  return hn::Max(hn::Neg(most), hn::Min(broadcast(1) / direction, most));
 }
 
 /// As many rays as there are lanes, held against boxes one after the other; the test of
@@ -31,7 +31,7 @@ class SlabLanes {
       : far_(sum(abs(origin))),
         steep_(sum(abs(direction))),
         inverse_{inverse_of(direction.x), inverse_of(direction.y), inverse_of(direction.z)},
-        offset_(multiply(origin, inverse_)) {}
+        offset_(origin * inverse_) {}
 
   /// Whose answers count; others may hit anything.
   HWY_INLINE LaneMask are_usual(const BoxSoA& row) const {

@@ -171,7 +171,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
   const auto add_light = [&](uint32_t index) __attribute__((always_inline)) {
     const Light& light = scene.lights[index];
     if (!light.ambient_attenuated) ambient += light.ambient;
-    LightSample sample;
+    LightSample sample{};
     if (!sample_light(light, point.surface.point, path_length, sample)) {
       ++state.counters.shadow_rays_skipped;
       return;

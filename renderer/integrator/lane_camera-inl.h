@@ -29,17 +29,15 @@ HWY_INLINE void set_rays(const Camera::Pinhole& camera,
   row.count = rasters.size();
   const Lanes3 eye = broadcast(camera.eye), view = broadcast(camera.view);
   const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
-  const auto place = [](Lanes at, double offset, double scale) HWY_ATTR {
-    return hn::Add(broadcast(offset), hn::Mul(at, broadcast(scale)));
-  };
+  const auto place = [](Lanes at, double offset, double scale)
+                         HWY_ATTR { return broadcast(offset) + at * broadcast(scale); };
   for (size_t i = 0; i < rasters.size(); i += kLanes) {
     const LaneIndices number = hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last);
-    const LaneIndices at = hn::Add(hn::ShiftLeft<1>(number), number);
+    const LaneIndices at = hn::ShiftLeft<1>(number) + number;
     const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
     const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
-    const Lanes3 right = multiply(broadcast(camera.right), u),
-                 up = multiply(broadcast(camera.up), v);
-    store(normalize(add(add(view, right), up)), i, row.direction);
+    const Lanes3 right = broadcast(camera.right) * u, up = broadcast(camera.up) * v;
+    store(normalize(view + right + up), i, row.direction);
     store(eye, i, row.origin);
   }
 }

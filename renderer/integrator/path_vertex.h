@@ -119,7 +119,7 @@ struct PathVertex {
   void add_lights(Color& sum) const {
     const auto add_light = [&](uint32_t index) {
       const Light& light = scene.lights[index];
-      LightSample sample;
+      LightSample sample{};
       if (!sample_light(light, point.surface.point, path_length, sample)) {
         ++state.counters.shadow_rays_skipped;
         return;

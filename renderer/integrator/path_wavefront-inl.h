@@ -26,7 +26,7 @@
 #include "renderer/integrator/wavefront-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/sampler/lane_sampler-inl.h"
-#include "renderer/shading/lane_lambert-inl.h"
+#include "renderer/shading/lambert_lanes-inl.h"
 #include "renderer/shapes/lane_surface-inl.h"
 #include "renderer/shapes/lane_transform-inl.h"
 #include "renderer/shapes/lane_triangle-inl.h"
@@ -188,15 +188,15 @@ class PathWavefront : public PathWavefrontHits {
         at, (1u << std::min(kLanes, met_.even - at)) - 1, met_.surface.load(at), {}, {}};
     const LaneSurface& s = bundle.surface;
     const auto is_back = mask_of(met_.is_back[at / kLanes]);
-    bundle.facet = select(is_back, negate(s.front), s.front);
+    bundle.facet = select(is_back, -s.front, s.front);
     bundle.throughput = gather(now_->throughput, places);
-    const Lanes3 shading = select(is_back, negate(s.shading), s.shading);
-    const LaneLambert lambert(load(met_.diffuse, at), shading, bundle.facet);
+    const Lanes3 shading = select(is_back, -s.shading, s.shading);
+    const Lambert lambert(load(met_.diffuse, at), shading, bundle.facet);
     add_direct_light(bundle, lambert);
     bounce(bundle, lambert);
   }
 
-  void add_direct_light(const PathBundle& bundle, const LaneLambert& lambert) {
+  void add_direct_light(const PathBundle& bundle, const Lambert& lambert) {
     // Without lights of other kinds all that is left to know is what stops it.
     const bool is_all = environment_share(scene_) == 0 && scene_.lights.empty();
     const Lanes zero = hn::Zero(kLaneTag);
@@ -251,12 +251,12 @@ class PathWavefront : public PathWavefrontHits {
 
   // --------------------------------------------------------------------------------------- bounce
 
-  void bounce(const PathBundle& bundle, const LaneLambert& lambert) {
+  void bounce(const PathBundle& bundle, const Lambert& lambert) {
     const Lanes zero = hn::Zero(kLaneTag);
     const size_t at = bundle.at;
-    Lanes3 throughput = multiply(bundle.throughput, lambert.albedo());
+    Lanes3 throughput = bundle.throughput * lambert.albedo();
     const Lanes scale = gather(now_->radiance_scale, indices_of(met_.place + at));
-    const Lanes worth = hn::Div(greatest(throughput), scale);
+    const Lanes worth = max_component(throughput) / scale;
     uint32_t onward = bundle.bits & movemask(hn::Gt(worth, zero));
     if (may_end()) {
       const Lanes chance = hn::Load(kLaneTag, met_.choice[1] + at);
@@ -266,7 +266,7 @@ class PathWavefront : public PathWavefrontHits {
       const uint32_t ends = movemask(hn::Ge(chance, survival)) & onward;
       state_.counters.roulette_ends += static_cast<uint64_t>(std::popcount(ends));
       onward &= ~ends;
-      throughput = multiply(throughput, hn::Div(one, survival));
+      throughput = throughput * (one / survival);
     }
     for (uint32_t left = onward; left != 0;)
       met_.read[at + take_lowest_lane(left)] |= bit_of(VertexNumbers::kDirection);

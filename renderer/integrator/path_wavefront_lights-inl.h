@@ -21,7 +21,7 @@
 #include "renderer/integrator/path_rays-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/scene/scene.h"
-#include "renderer/shading/lane_lambert-inl.h"
+#include "renderer/shading/lambert_lanes-inl.h"
 #include "renderer/shapes/lane_surface-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,8 +30,8 @@ namespace HWY_NAMESPACE {
 
 /// power_heuristic()
 HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
-  const Lanes ratio = hn::Div(other, own);
-  return hn::Div(broadcast(1), hn::Add(broadcast(1), hn::Mul(ratio, ratio)));
+  const Lanes ratio = other / own;
+  return broadcast(1) / (broadcast(1) + ratio * ratio);
 }
 
 /// Light of points of area lights, to what a front's paths meet.
@@ -75,8 +75,8 @@ class PathWavefrontLights {
   /// What they bring. Black if it may be added later, of those that nothing stops.
   /// `transmittance(place, ray)` is that along such a ray, which is asked where something passes.
   template <typename Transmittance>
-  Lanes3 brought(const Met& met, const PathBundle& bundle, const LaneLambert& lambert,
-                 bool may_wait, const Transmittance& transmittance) {
+  Lanes3 brought(const Met& met, const PathBundle& bundle, const Lambert& lambert, bool may_wait,
+                 const Transmittance& transmittance) {
     const Lanes zero = hn::Zero(kLaneTag);
     const Lanes3 none{zero, zero, zero};
     const size_t at = bundle.at;
@@ -85,10 +85,10 @@ class PathWavefrontLights {
     if (chosen == 0) return none;
     const Lanes3 place = load(points_.point, at), normal = load(points_.normal, at);
     const LaneSurface& here = bundle.surface;
-    const Lanes3 wi = normalize(subtract(place, here.point));
+    const Lanes3 wi = normalize(place - here.point);
     const auto in_front = hn::Lt(dot(wi, normal), zero);
     const Lanes3 shine = select(in_front, load(points_.front, at), load(points_.back, at));
-    LaneValue value = lambert.evaluate(wi);
+    BsdfValue value = lambert.evaluate(wi);
     const auto shines_not = is_black(shine);
     value.density = hn::IfThenZeroElse(shines_not, value.density);
     const auto is_dark = hn::Or(shines_not, is_black(value.share));
@@ -96,22 +96,22 @@ class PathWavefrontLights {
     state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(chosen & ~asked));
     state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(asked));
     // As point_visibility() does: the stretch ends before the light's own surface.
-    const Lanes3 back = subtract(here.point, place);
+    const Lanes3 back = here.point - place;
     const auto behind = hn::Lt(dot(back, normal), zero);
-    const Lanes3 side = select(behind, negate(normal), normal);
-    const Lanes lift = hn::Add(dot(abs(side), load(points_.error, at)),
-                               hn::Mul(broadcast(kLiftRoundings), sum(abs(back))));
-    const Lanes3 origin = origin_towards(here, negate(back));
-    const Lanes3 stretch = subtract(add(place, multiply(side, lift)), origin);
-    const Lanes3 light = select(is_dark, none, multiply(shine, value.share));
+    const Lanes3 side = select(behind, -normal, normal);
+    const Lanes lift =
+        dot(abs(side), load(points_.error, at)) + broadcast(kLiftRoundings) * sum(abs(back));
+    const Lanes3 origin = origin_towards(here, -back);
+    const Lanes3 stretch = place + side * lift - origin;
+    const Lanes3 light = select(is_dark, none, shine * value.share);
     const Lanes weight =
-        hn::IfThenZeroElse(is_dark, hn::Div(power_heuristic(density, value.density), density));
+        hn::IfThenZeroElse(is_dark, power_heuristic(density, value.density) / density);
     if (may_wait) {
       append_shadow_rays(met, bundle, asked, origin, stretch, light, weight);
       return none;
     }
     const uint32_t arrives = asked & ~stopped(origin, stretch, asked);
-    if (!passes_) return select(mask_of(arrives), multiply(light, weight), none);
+    if (!passes_) return select(mask_of(arrives), light * weight, none);
     const Stored3 origins(origin), stretches(stretch);
     Stored3 visible(none);
     for (uint32_t lanes = arrives; lanes != 0;) {
@@ -120,7 +120,7 @@ class PathWavefrontLights {
           transmittance(met.place[at + lane], Ray{origins.point(lane), stretches.vec(lane), 0, 1});
       visible.put(lane, {share.r, share.g, share.b});
     }
-    const Lanes3 all_of_it = multiply(multiply(light, visible.load()), weight);
+    const Lanes3 all_of_it = light * visible.load() * weight;
     return select(mask_of(arrives), all_of_it, none);
   }
   /// What was to be added later; `transmittance` as for brought().
@@ -209,8 +209,7 @@ class PathWavefrontLights {
       append(weight, asked, shadows_.weight + rays.count);
       append(bundle.throughput, asked, rays.count, shadows_.throughput);
     } else {
-      append(multiply(bundle.throughput, multiply(light, weight)), asked, rays.count,
-             shadows_.light);
+      append(bundle.throughput * (light * weight), asked, rays.count, shadows_.light);
     }
     while (asked != 0)
       shadows_.place[rays.count++] = met.place[bundle.at + take_lowest_lane(asked)];

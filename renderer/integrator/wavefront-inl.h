@@ -19,7 +19,7 @@
 #include "renderer/integrator/batch_tracer.h"
 #include "renderer/integrator/lane_batch-inl.h"
 #include "renderer/integrator/lane_camera-inl.h"
-#include "renderer/integrator/lane_light-inl.h"
+#include "renderer/integrator/light_lanes-inl.h"
 #include "renderer/scene/scene.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -103,7 +103,7 @@ class Wavefront {
   Color background(const Ray& ray) const {
     return scene_.background.radiance(ray.origin, ray.direction, scene_.lights);
   }
-  /// Calls act(place, seen, &Background::place_in_panorama() or null) for each of the places, whose
+  /// Calls act(place, seen, &place_in_panorama() or null) for each of the places, whose
   /// rays meet nothing; there is room for a vector behind them.
   template <typename Act>
   void look_beyond(uint32_t* places, size_t count, const Act& act) const {
@@ -117,7 +117,9 @@ class Wavefront {
     alignas(64) double s[RayBatch::kPadded], t[RayBatch::kPadded];
     for (size_t i = 0; i < count; i += kLanes) {
       const LaneIndices at = indices_of(places + i);
-      place_in_panorama(beyond, gather(now_->rays.direction, at), s + i, t + i);
+      const Lanes2 place = place_in_panorama(beyond, gather(now_->rays.direction, at));
+      hn::Store(place.x, kLaneTag, s + i);
+      hn::Store(place.y, kLaneTag, t + i);
       // A large picture is in no cache; by the time that it is looked at, it is.
       for (size_t lane = 0; lane < kLanes; ++lane)
         beyond.picture->prefetch(s[i + lane], t[i + lane]);

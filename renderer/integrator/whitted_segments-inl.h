@@ -59,7 +59,7 @@ inline Lanes3 shadow_origin(const HitBundle& bundle, const Lanes3& wi, const Lan
   if (hn::AllFalse(kLaneTag, over_facet)) return origin_towards(bundle.surface, towards);
   const Lanes3 origin =
       origin_towards(bundle.surface, select(over_facet, bundle.geometric_normal, towards));
-  return select(over_facet, add(origin, bundle.shift), origin);
+  return select(over_facet, origin + bundle.shift, origin);
 }
 
 /// mirror_direction() in the lanes `bent`.

@@ -20,7 +20,7 @@
 #include "renderer/accel/sphere_lanes-inl.h"
 #include "renderer/integrator/direct_light.h"
 #include "renderer/integrator/lane_batch-inl.h"
-#include "renderer/integrator/lane_light-inl.h"
+#include "renderer/integrator/light_lanes-inl.h"
 #include "renderer/integrator/wavefront-inl.h"
 #include "renderer/integrator/whitted_segments-inl.h"
 #include "renderer/integrator/whitted_surfaces.h"
@@ -192,11 +192,11 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     bundle.direction = gather(now_->rays.direction, at);
     const Lanes t = gather_hits<&Hit::t>(hits_.data(), at);
     bundle.throughput = gather(now_->throughput, at);
-    bundle.path_length = hn::Add(gather(now_->path_length, at), t);
+    bundle.path_length = gather(now_->path_length, at) + t;
     const Surfaces::Placed& placed = surfaces_.placed(instance);
     const Shape& shape = *scene_.instances[instance].shape;
     if (placed.form == Surfaces::Form::other) return meet_one_by_one(bundle);
-    const Lanes3 at_hit = add(gather(now_->rays.origin, at), multiply(bundle.direction, t));
+    const Lanes3 at_hit = gather(now_->rays.origin, at) + bundle.direction * t;
     bundle.surface = placed.form == Surfaces::Form::plane
                          ? surface_of(static_cast<const Plane&>(shape), placed.normal, at_hit)
                          : surface_of(static_cast<const Sphere&>(shape), placed.facing, at_hit);
@@ -239,7 +239,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     for (HitBundle& bundle : bundles) look_at(bundle, material);
     see(bundles, material, surfaces_.placed(instance).light_set);
     for (HitBundle& bundle : bundles) {
-      const Lanes3 result = multiply(bundle.throughput, bundle.seen);
+      const Lanes3 result = bundle.throughput * bundle.seen;
       if (material.is_mirror()) {
         go_on(bundle, material, result);
       } else {
@@ -256,13 +256,12 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       bundle.bits &= ~behind;
       while (behind != 0) look_alone(bundle.places[take_lowest_lane(behind)]);
     }
-    bundle.geometric_normal = select(is_back, negate(surface.front), surface.front);
-    bundle.normal = select(is_back, negate(surface.shading), surface.shading);
+    bundle.geometric_normal = select(is_back, -surface.front, surface.front);
+    bundle.normal = select(is_back, -surface.shading, surface.shading);
     bundle.diffuse = broadcast(material.diffuse);
     if (bundle.tinted != 0) {
-      const Lanes3 tinted = material.vertex_color_replaces_diffuse
-                                ? bundle.tint
-                                : multiply(bundle.diffuse, bundle.tint);
+      const Lanes3 tinted =
+          material.vertex_color_replaces_diffuse ? bundle.tint : bundle.diffuse * bundle.tint;
       bundle.diffuse = select(mask_of(bundle.tinted), tinted, bundle.diffuse);
     }
     const auto hits = static_cast<uint64_t>(std::popcount(bundle.bits));
@@ -288,7 +287,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const Color ambient = surfaces_.ambient(light_set) * material.ambient;
     for (HitBundle& bundle : bundles) {
       const Lanes3 part = material.ambient_times_diffuse ? bundle.diffuse : broadcast(kWhite);
-      bundle.seen = add(bundle.seen, multiply(broadcast(ambient), part));
+      bundle.seen = bundle.seen + broadcast(ambient) * part;
     }
   }
   /// Points that have one list of lights together.
@@ -330,7 +329,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     Scene::for_each_light(globals, scene_.scoped_lights[light_set], [&](uint32_t index) HWY_ATTR {
       ShadowRays rays(scene_.lights[index], index);
       for (size_t i = 0; i < bundles.size(); ++i) {
-        Arriving sampled;
+        LightSample sampled;
         if (light_up(bundles[i], material, rays.light, sampled) && has_shadows())
           ask_what_is_in_the_way(bundles[i], sampled, i, rays);
       }
@@ -340,9 +339,9 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
         if (bundle.shaded != 0) {
           const Lanes left =
               hn::IfThenElse(mask_of(bundle.shaded), hn::Zero(kLaneTag), broadcast(1));
-          bundle.arriving = multiply(bundle.arriving, left);
+          bundle.arriving = bundle.arriving * left;
         }
-        const Lanes3 sum = add(bundle.seen, multiply(bundle.arriving, bundle.share));
+        const Lanes3 sum = bundle.seen + bundle.arriving * bundle.share;
         bundle.seen = select(mask_of(bundle.lit), sum, bundle.seen);
       }
     });
@@ -351,7 +350,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
 
   /// What the light brings to the points, but for what is in the way; whether it does to any.
   bool light_up(HitBundle& bundle, const Material& material, const Light& light,
-                Arriving& sampled) {
+                LightSample& sampled) {
     const uint32_t reached = sample(light, bundle.surface.point, bundle.path_length, sampled);
     bundle.lit = bundle.bits & reached;
     bundle.shaded = 0;
@@ -359,7 +358,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       const Lanes cosine = dot(bundle.geometric_normal, sampled.wi);
       bundle.lit &= ~movemask(hn::Lt(cosine, hn::Zero(kLaneTag)));
     }
-    bundle.arriving = multiply(broadcast(light.intensity), sampled.factor);
+    bundle.arriving = broadcast(light.intensity) * sampled.factor;
     bundle.share = reflected_share(bundle, material, sampled.wi);
     bundle.lit &= ~movemask(hn::Or(is_black(bundle.arriving), is_black(bundle.share)));
     state_.counters.shadow_rays_skipped +=
@@ -373,7 +372,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const Lanes n_dot_l = dot(bundle.normal, wi), zero = hn::Zero(kLaneTag);
     Lanes factor = n_dot_l;
     if (material.diffuse_model == DiffuseModel::lambert) {
-      factor = max(n_dot_l, zero);
+      factor = larger(n_dot_l, zero);
     } else if (material.diffuse_model == DiffuseModel::half_lambert) {
       alignas(64) double cosines[kLanes];
       hn::Store(n_dot_l, kLaneTag, cosines);
@@ -383,9 +382,9 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       }
       factor = hn::Load(kLaneTag, cosines);
     }
-    const Lanes3 share = multiply(bundle.diffuse, factor);
+    const Lanes3 share = bundle.diffuse * factor;
     if (tessera::is_black(material.specular)) return share;
-    const Stored3 normals(bundle.normal), lights(wi), ways(negate(bundle.direction));
+    const Stored3 normals(bundle.normal), lights(wi), ways(-bundle.direction);
     Stored3 shares(share);
     for (uint32_t left = bundle.lit & movemask(hn::Gt(n_dot_l, zero)); left != 0;) {
       const size_t lane = take_lowest_lane(left);
@@ -415,9 +414,8 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
   uint32_t answered_by_buffers(const HitBundle& bundle) const {
     if (!scene_.occluders.few) return 0;
     const LaneSurface& s = bundle.surface;
-    const Lanes off = sum(add(s.error, abs(bundle.shift)));
-    const Lanes reach =
-        hn::Add(sum(abs(s.point)), hn::Mul(broadcast(LightBuffer::kErrorShare), off));
+    const Lanes off = sum(s.error + abs(bundle.shift));
+    const Lanes reach = sum(abs(s.point)) + broadcast(LightBuffer::kErrorShare) * off;
     return movemask(hn::Le(reach, broadcast(scene_.occluders.few->boxes().farthest)));
   }
 
@@ -456,7 +454,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
 
   /// Finds the lit lanes that the light does not reach for what is in the way; rays that are to be
   /// traced with those of other bundles are added to `rays`.
-  void ask_what_is_in_the_way(HitBundle& bundle, const Arriving& sampled, size_t number,
+  void ask_what_is_in_the_way(HitBundle& bundle, const LightSample& sampled, size_t number,
                               ShadowRays& rays) {
     const Occluders& occluders = scene_.occluders;
     const LaneSurface& s = bundle.surface;
@@ -475,13 +473,12 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const Light& light = rays.light;
     const bool placed = rays.is_placed();
     const Lanes3 place = broadcast(light.position);
-    const Lanes3 origins =
-        shadow_origin(bundle, sampled.wi, placed ? subtract(place, s.point) : sampled.wi);
-    const Lanes3 ways = placed ? subtract(place, origins) : sampled.wi;
+    const Lanes3 origins = shadow_origin(bundle, sampled.wi, placed ? place - s.point : sampled.wi);
+    const Lanes3 ways = placed ? place - origins : sampled.wi;
     Lanes last = placed ? broadcast(1) : sampled.distance;
     if (std::isfinite(light.shadow_distance)) {
       const Lanes whole = placed ? sampled.distance : broadcast(1);
-      const Lanes there = hn::Div(broadcast(light.shadow_distance), whole);
+      const Lanes there = broadcast(light.shadow_distance) / whole;
       last = hn::IfThenElse(hn::Lt(there, last), there, last);
     }
     if ((asked & answered) != 0) {
@@ -533,14 +530,14 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const Lanes3& d = bundle.direction;
     const Lanes3 straight = reflect(d, bundle.normal);
     // As clamped_normal() asks.
-    const Lanes half = hn::Mul(dot(d, bundle.geometric_normal), broadcast(-0.5));
+    const Lanes half = dot(d, bundle.geometric_normal) * broadcast(-0.5);
     const Lanes least =
         hn::IfThenElse(hn::Lt(half, broadcast(kLeastMirrored)), half, broadcast(kLeastMirrored));
     const auto into = hn::Lt(dot(straight, bundle.geometric_normal), least);
     const uint32_t bent = movemask(hn::Or(into, hn::Gt(dot(bundle.normal, d), zero)));
     const Lanes3 way = bent_back(bundle, normalize(straight), bent & bundle.bits);
-    const Lanes3 weight = multiply(bundle.throughput, broadcast(material.reflectivity));
-    const Lanes most = max(weight.x, max(weight.y, weight.z));
+    const Lanes3 weight = bundle.throughput * broadcast(material.reflectivity);
+    const Lanes most = larger(weight.x, larger(weight.y, weight.z));
     const uint32_t faint = movemask(hn::Lt(most, broadcast(kFaintest))) & bundle.bits;
     state_.counters.branches_skipped += static_cast<uint64_t>(std::popcount(faint));
     uint32_t onward = bundle.bits & ~faint, beyond = 0;  // what sees the background at most

@@ -17,6 +17,7 @@
 #include "renderer/math/color.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/mask_bits-inl.h"
+#include "renderer/math/numbers.h"
 #include "renderer/math/rounding.h"
 #include "renderer/math/vec.h"
 
@@ -42,7 +43,27 @@ struct Lanes3 {
   Lanes x, y, z;
 };
 
-HWY_INLINE Lanes broadcast(double value) { return hn::Set(kLaneTag, value); }
+// The names of numbers.h.
+using Num = Lanes;
+using Num2 = Lanes2;
+using Num3 = Lanes3;
+using NumColor = Lanes3;
+using NumMask = LaneMask;
+
+HWY_INLINE Num num(double value) { return hn::Set(kLaneTag, value); }
+HWY_INLINE NumColor num_color(double grey) { return {num(grey), num(grey), num(grey)}; }
+HWY_INLINE Num negated(Num x) { return hn::Neg(x); }
+HWY_INLINE Num absolute(Num x) { return hn::Abs(x); }
+HWY_INLINE Num whole(Num x) { return hn::Floor(x); }
+HWY_INLINE Num root(Num x) { return hn::Sqrt(x); }
+HWY_INLINE Num with_sign(Num size, Num sign) { return hn::CopySign(size, sign); }
+HWY_INLINE Num larger(Num a, Num b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
+HWY_INLINE NumMask both(NumMask a, NumMask b) { return hn::And(a, b); }
+HWY_INLINE NumMask either(NumMask a, NumMask b) { return hn::Or(a, b); }
+HWY_INLINE NumMask but_not(NumMask a, NumMask b) { return hn::AndNot(b, a); }
+HWY_INLINE Num select(NumMask mask, Num yes, Num no) { return hn::IfThenElse(mask, yes, no); }
+
+HWY_INLINE Lanes broadcast(double value) { return num(value); }
 HWY_INLINE Lanes3 broadcast(const Vec3& v) {
   return {broadcast(v.x), broadcast(v.y), broadcast(v.z)};
 }
@@ -53,25 +74,21 @@ HWY_INLINE Lanes3 broadcast(const Color& c) {
   return {broadcast(c.r), broadcast(c.g), broadcast(c.b)};
 }
 
-HWY_INLINE Lanes3 add(const Lanes3& a, const Lanes3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+HWY_INLINE Lanes3 operator+(const Lanes3& a, const Lanes3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-HWY_INLINE Lanes3 subtract(const Lanes3& a, const Lanes3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+HWY_INLINE Lanes3 operator-(const Lanes3& a, const Lanes3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-HWY_INLINE Lanes3 multiply(const Lanes3& a, const Lanes3& b) {
-  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
+HWY_INLINE Lanes3 operator-(const Lanes3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
+HWY_INLINE Lanes3 operator*(const Lanes3& a, const Lanes3& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
-HWY_INLINE Lanes3 multiply(const Lanes3& a, Lanes s) {
-  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
-}
-HWY_INLINE Lanes3 divide(const Lanes3& a, Lanes s) {
-  return {hn::Div(a.x, s), hn::Div(a.y, s), hn::Div(a.z, s)};
-}
+HWY_INLINE Lanes3 operator*(const Lanes3& a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
+HWY_INLINE Lanes3 operator/(const Lanes3& a, Lanes s) { return {a.x / s, a.y / s, a.z / s}; }
 HWY_INLINE Lanes3 abs(const Lanes3& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)}; }
-HWY_INLINE Lanes3 negate(const Lanes3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
-HWY_INLINE Lanes sum(const Lanes3& a) { return hn::Add(hn::Add(a.x, a.y), a.z); }
-HWY_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) { return sum(multiply(a, b)); }
+HWY_INLINE Lanes sum(const Lanes3& a) { return (a.x + a.y) + a.z; }
+HWY_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) { return sum(a * b); }
 HWY_INLINE Lanes3 select(LaneMask mask, const Lanes3& yes, const Lanes3& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
           hn::IfThenElse(mask, yes.z, no.z)};
@@ -88,8 +105,7 @@ HWY_INLINE void store(const Lanes3& a, size_t at, double (&parts)[3][kPadded]) {
   hn::Store(a.y, kLaneTag, parts[1] + at);
   hn::Store(a.z, kLaneTag, parts[2] + at);
 }
-/// std::max(a, b), of what is no number and of zeros too.
-HWY_INLINE Lanes max(Lanes a, Lanes b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
+HWY_INLINE Num max_component(const Lanes3& a) { return larger(a.x, larger(a.y, a.z)); }
 HWY_INLINE LaneMask is_black(const Lanes3& c) {
   const Lanes zero = hn::Zero(kLaneTag);
   return hn::And(hn::And(hn::Eq(c.x, zero), hn::Eq(c.y, zero)), hn::Eq(c.z, zero));
@@ -141,11 +157,9 @@ HWY_INLINE Lanes3 normalize(const Lanes3& v) {
     normalize_each(each);
     return each.load();
   }
-  return divide(v, hn::Sqrt(squared));
+  return v / root(squared);
 }
-HWY_INLINE Lanes3 reflect(const Lanes3& v, const Lanes3& n) {
-  return subtract(v, multiply(n, hn::Mul(broadcast(2), dot(v, n))));
-}
+HWY_INLINE Lanes3 reflect(const Lanes3& v, const Lanes3& n) { return v - n * (num(2) * dot(v, n)); }
 
 /// The next larger value where `way` is positive, the next smaller one where it is negative.
 HWY_INLINE Lanes next_towards(Lanes x, Lanes way) {
@@ -163,26 +177,12 @@ HWY_INLINE Lanes next_towards(Lanes x, Lanes way) {
   return hn::IfThenElse(moves, hn::IfThenElse(down, hn::Neg(up), up), x);
 }
 
-/// DoubleDouble, and the functions of that name.
-struct LanesSum {
-  Lanes high, low;
+/// As DoubleDouble.
+struct NumPair {
+  Num high, low;
 };
-HWY_INLINE LanesSum two_sum(Lanes a, Lanes b) {
-  const Lanes s = hn::Add(a, b), from_b = hn::Sub(s, a);
-  return {s, hn::Add(hn::Sub(a, hn::Sub(s, from_b)), hn::Sub(b, from_b))};
-}
-HWY_INLINE LanesSum fast_two_sum(Lanes a, Lanes b) {
-  const Lanes s = hn::Add(a, b);
-  return {s, hn::Sub(b, hn::Sub(s, a))};
-}
-HWY_INLINE LanesSum two_product(Lanes a, Lanes b) {
-  const Lanes split = broadcast(kSplit);
-  const Lanes p = hn::Mul(a, b), ta = hn::Mul(a, split), tb = hn::Mul(b, split);
-  const Lanes ah = hn::Sub(ta, hn::Sub(ta, a)), bh = hn::Sub(tb, hn::Sub(tb, b));
-  const Lanes al = hn::Sub(a, ah), bl = hn::Sub(b, bh);
-  const Lanes high = hn::Add(hn::Sub(hn::Mul(ah, bh), p), hn::Mul(ah, bl));
-  return {p, hn::Add(hn::Add(high, hn::Mul(al, bh)), hn::Mul(al, bl))};
-}
+
+#include "renderer/math/exact_sums-inl.h"
 
 inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes angle) {
   alignas(64) double ys[kLanes], xs[kLanes], angles[kLanes];
@@ -198,40 +198,35 @@ inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes ang
 
 /// portable::atan2() to the last bit: its quick way, and where that is not sure the function
 /// itself.
-HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
+HWY_INLINE Lanes arc(Lanes of_y, Lanes x) {
   using Arc = portable::QuickArc;
   const auto term = [](Lanes z, double a, double b)
-                        HWY_ATTR { return hn::Add(hn::Mul(z, broadcast(a)), broadcast(b)); };
+                        HWY_ATTR { return z * broadcast(a) + broadcast(b); };
   const Lanes zero = hn::Zero(kLaneTag), y = hn::Abs(of_y), ax = hn::Abs(x);
   const auto left = hn::Lt(x, zero), steep = hn::Gt(y, ax);
   Lanes large = hn::IfThenElse(steep, y, ax), small = hn::IfThenElse(steep, ax, y);
   const auto in_range =
       hn::And(hn::And(hn::Lt(large, broadcast(Arc::kMost)), hn::Gt(large, broadcast(Arc::kLeast))),
-              hn::Gt(small, hn::Mul(large, broadcast(Arc::kLeastRatio))));
+              hn::Gt(small, large * broadcast(Arc::kLeastRatio)));
   large = hn::IfThenElse(in_range, large, broadcast(1));
   small = hn::IfThenElse(in_range, small, broadcast(1));
-  const Lanes n = hn::Trunc(term(hn::Div(small, large), 8, Arc::kNearlyHalf));
-  const Lanes c = hn::Mul(n, broadcast(0.125));
+  const Lanes n = hn::Trunc(term(small / large, 8, Arc::kNearlyHalf));
+  const Lanes c = n * broadcast(0.125);
   const auto leading = [](Lanes v) HWY_ATTR {
     const hn::RebindToUnsigned<LaneTag> bits;
     return hn::BitCast(kLaneTag, hn::And(hn::BitCast(bits, v), hn::Set(bits, ~Arc::kLastBits)));
   };
   const Lanes large_high = leading(large), small_high = leading(small);
-  const Lanes across =
-      hn::Sub(hn::Sub(small, hn::Mul(c, large_high)), hn::Mul(c, hn::Sub(large, large_high)));
-  const Lanes more = hn::Mul(c, small);
-  const LanesSum along = fast_two_sum(large, more);
-  const Lanes along_low = hn::Add(along.low, hn::Add(hn::Sub(hn::Mul(c, small_high), more),
-                                                     hn::Mul(c, hn::Sub(small, small_high))));
-  const Lanes t = hn::Div(across, along.high), inverse = hn::Div(broadcast(1), along.high);
-  const LanesSum back = two_product(t, along.high);
-  const Lanes t_low = hn::Mul(
-      hn::Sub(hn::Sub(hn::Sub(across, back.high), back.low), hn::Mul(t, along_low)), inverse);
-  const Lanes z = hn::Mul(t, t), zz = hn::Mul(z, z);
-  const Lanes last = hn::Sub(term(z, Arc::k13, Arc::k11), hn::Div(zz, broadcast(Arc::kBy15)));
-  const Lanes p =
-      hn::Mul(z, hn::Add(term(z, Arc::k5, Arc::k3),
-                         hn::Mul(zz, hn::Add(term(z, Arc::k9, Arc::k7), hn::Mul(zz, last)))));
+  const Lanes across = small - c * large_high - c * (large - large_high);
+  const Lanes more = c * small;
+  const NumPair along = fast_two_sum(large, more);
+  const Lanes along_low = along.low + (c * small_high - more + c * (small - small_high));
+  const Lanes t = across / along.high, inverse = broadcast(1) / along.high;
+  const NumPair back = two_product(t, along.high);
+  const Lanes t_low = (across - back.high - back.low - t * along_low) * inverse;
+  const Lanes z = t * t, zz = z * z;
+  const Lanes last = term(z, Arc::k13, Arc::k11) - zz / broadcast(Arc::kBy15);
+  const Lanes p = z * (term(z, Arc::k5, Arc::k3) + zz * (term(z, Arc::k9, Arc::k7) + zz * last));
   const auto forward = hn::Or(hn::And(left, steep), hn::Not(hn::Or(left, steep)));
   const Lanes sign = hn::IfThenElse(forward, broadcast(1), broadcast(-1));
   const auto axis = [&](double of_steep, double of_left) HWY_ATTR {
@@ -244,18 +239,18 @@ HWY_INLINE Lanes atan2(Lanes of_y, Lanes x) {
     const DoubleDouble& arc = portable::kArc[static_cast<int>(steps[lane])];
     arc_high[lane] = arc.high, arc_low[lane] = arc.low;
   }
-  const LanesSum begin = two_sum(axis(portable::kPi2.high, portable::kPiDd.high),
-                                 hn::Mul(sign, hn::Load(kLaneTag, arc_high)));
-  const LanesSum sum = fast_two_sum(begin.high, hn::Mul(sign, t));
-  const Lanes tail = hn::Mul(t, p);
-  const Lanes rest = hn::Mul(sign, hn::Add(hn::Load(kLaneTag, arc_low), t_low));
-  const Lanes from_axis = hn::Add(axis(portable::kPi2.low, portable::kPiDd.low), rest);
-  const Lanes low = hn::Add(hn::Add(sum.low, hn::Add(begin.low, from_axis)), hn::Mul(sign, tail));
-  const Lanes doubt = hn::Add(hn::Mul(hn::Abs(tail), broadcast(Arc::kTailDoubt)),
-                              hn::Mul(sum.high, broadcast(Arc::kSumDoubt)));
-  const auto is_sure = hn::And(in_range, hn::Eq(hn::Add(sum.high, hn::Sub(low, doubt)),
-                                                hn::Add(sum.high, hn::Add(low, doubt))));
-  const Lanes angle = hn::CopySign(hn::Add(sum.high, low), of_y);
+  const NumPair begin =
+      two_sum(axis(portable::kPi2.high, portable::kPiDd.high), sign * hn::Load(kLaneTag, arc_high));
+  const NumPair sum = fast_two_sum(begin.high, sign * t);
+  const Lanes tail = t * p;
+  const Lanes rest = sign * (hn::Load(kLaneTag, arc_low) + t_low);
+  const Lanes from_axis = axis(portable::kPi2.low, portable::kPiDd.low) + rest;
+  const Lanes low = sum.low + (begin.low + from_axis) + sign * tail;
+  const Lanes doubt =
+      hn::Abs(tail) * broadcast(Arc::kTailDoubt) + sum.high * broadcast(Arc::kSumDoubt);
+  const auto is_sure =
+      hn::And(in_range, hn::Eq(sum.high + (low - doubt), sum.high + (low + doubt)));
+  const Lanes angle = hn::CopySign(sum.high + low, of_y);
   const uint32_t unsure = movemask(hn::Not(is_sure));
   return unsure == 0 ? angle : atan2_each(of_y, x, unsure, angle);
 }

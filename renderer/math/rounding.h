@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "renderer/math/numbers.h"
+
 namespace tessera {
 
 // Bounds on rounding errors, and arithmetic that knows its own error (Higham, Accuracy and
@@ -46,38 +48,12 @@ struct DoubleDouble {
   double high = 0, low = 0;
 };
 
-/// a + b exactly (Knuth).
-inline DoubleDouble two_sum(double a, double b) {
-  const double s = a + b;
-  const double from_b = s - a;
-  return {s, (a - (s - from_b)) + (b - from_b)};
-}
-/// a + b exactly where |a| >= |b| or a is 0 (Dekker).
-inline DoubleDouble fast_two_sum(double a, double b) {
-  const double s = a + b;
-  return {s, b - (s - a)};
-}
 /// 2^27 + 1: what Veltkamp multiplies a double with to cut it into halves of 26 bits, whose
 /// products are exact.
 inline constexpr double kSplit = 134217729;
-/// a * b exactly (Veltkamp, Dekker), for |a|, |b| < 2^970 and a product above 2^-960.
-inline DoubleDouble two_product(double a, double b) {
-  const double p = a * b;
-  const double ta = a * kSplit, tb = b * kSplit;
-  const double ah = ta - (ta - a), bh = tb - (tb - b);
-  const double al = a - ah, bl = b - bh;
-  return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
-}
 
-/// a * b - c * d with the right sign always and at most 2 ulp off, in the range of two_product.
-/// Also a lane each in lane_triangle-inl.h, to the bit.
-inline double difference_of_products(double a, double b, double c, double d) {
-  const DoubleDouble ab = two_product(a, b);
-  const DoubleDouble cd = two_product(c, d);
-  const DoubleDouble s = two_sum(ab.high, -cd.high);
-  const DoubleDouble e = two_sum(ab.low, -cd.low);
-  const DoubleDouble t = two_sum(s.low, e.high);
-  return s.high + (t.high + (t.low + e.low));
-}
+using NumPair = DoubleDouble;
+
+#include "renderer/math/exact_sums-inl.h"
 
 }  // namespace tessera

@@ -29,7 +29,7 @@ Color rings_radiance(const Background& background, const Vec3& d) {
 
 // What looks pictures up stays out of the way of the plain colours.
 [[gnu::noinline]] Color panorama_radiance(const Background& background, const Vec3& d) {
-  const Vec2 place = background.place_in_panorama(d);
+  const Vec2 place = place_in_panorama(background.kind, background.angle, d);
   return background.panorama_at(place.x, place.y);
 }
 
@@ -79,16 +79,6 @@ double glow_towards(const Point3& origin, const Vec3& d, std::span<const Light> 
 }
 
 }  // namespace
-
-Vec2 Background::place_in_panorama(const Vec3& turned) const {
-  const Vec3& d = turned;
-  const double azimuth = portable::atan2(d.x, -d.z) + angle;
-  const double s = 0.5 + azimuth / (2 * portable::kPi);
-  const double t = kind == BackgroundKind::panorama_equal_area
-                       ? 0.5 - d.y / 2
-                       : portable::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / portable::kPi;
-  return {s - std::floor(s), t};
-}
 
 Color Background::radiance(const Point3& origin, const Vec3& d,
                            std::span<const Light> lights) const {

@@ -7,8 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "renderer/math/color.h"
-#include "renderer/math/vec.h"
+#include "renderer/math/numbers.h"
 #include "renderer/shading/image_texture.h"
 #include "renderer/shading/light.h"
 #include "renderer/shading/sky.h"
@@ -24,6 +23,8 @@ enum class BackgroundKind : uint8_t {
   panorama_equal_area,       ///< it is the direction's y (Lambert's cylindrical projection)
   sun_and_sky,
 };
+
+#include "renderer/shading/panorama-inl.h"
 
 /// What a ray sees that meets nothing. Immutable once built; thread-safe.
 struct Background {
@@ -60,10 +61,6 @@ struct Background {
             kind == BackgroundKind::panorama_equal_area) &&
            !has_cube && transparency == 0 && glow == 0;
   }
-  /// Where in the panorama's picture lies what is seen along `turned`, a unit direction of the
-  /// background.
-  /// Also a lane each in lane_light-inl.h, to the bit.
-  Vec2 place_in_panorama(const Vec3& turned) const;
   Color panorama_at(double s, double t) const {
     // Beyond the outer rows' middles there is no other row: the zenith does not meet the nadir.
     const double half = 0.5 / picture->settings().height;

@@ -2,6 +2,7 @@
 
 #include "renderer/math/elementary.h"
 #include "renderer/math/frame.h"
+#include "renderer/math/numbers.h"
 #include "renderer/math/warp.h"
 #include "renderer/shading/clamped_normal.h"
 #include "renderer/shading/coat.h"
@@ -21,20 +22,7 @@ struct BsdfPoint {
   bool from_inside;       ///< the viewer is inside the material
 };
 
-/// Scales the colour so that its largest component is at most 1, lest more light come back than
-/// came.
-/// Also a lane each in lane_lambert-inl.h, to the bit.
-inline Color bounded(const Color& color) {
-  const double largest = max_component(color);
-  return largest > 1 ? color * (1 / largest) : color;
-}
-
-/// What a surface sends on, by cosine: BSDF * |cosine|, and the density with which sample() chooses
-/// that direction, per steradian. Mirrors and smooth glass have no part in it.
-struct BsdfValue {
-  Color share = kBlack;
-  double density = 0;
-};
+#include "renderer/shading/lambert-inl.h"
 
 /// A direction to go on in.
 struct BsdfSample {
@@ -48,38 +36,18 @@ struct BsdfSample {
 
 /// Evenly scattering surfaces: the classic material without highlight, mirror or glass, which most
 /// surfaces of most scenes are. The same bits as Bsdf's, faster.
-/// Also a lane each in lane_lambert-inl.h, to the bit.
-class LambertBsdf {
+class LambertBsdf : public Lambert {
  public:
   explicit LambertBsdf(const BsdfPoint& point)
-      : albedo_(bounded(point.diffuse)), normal_(point.normal), facet_(point.geometric_normal) {}
+      : Lambert(point.diffuse, point.normal, point.geometric_normal) {}
   bool is_smooth() const { return true; }
-  BsdfValue evaluate(const Vec3& wi) const {
-    if (!(dot(wi, facet_) > 0)) return {};
-    const double density = density_of(dot(wi, normal_)), mirrored = density_mirrored_to(wi);
-    return {albedo_ * density + albedo_ * mirrored, density + mirrored};
-  }
-  const Color& albedo() const { return albedo_; }
   bool sample(double, const Vec2& u, BsdfSample& sample) const {
-    const Vec3 local = cosine_hemisphere_point(u);
-    const Vec3 way = Frame(normal_).from_local(local);
-    sample.wi = reflected_to_side(way, facet_, false);
-    sample.weight = albedo_;
-    sample.density = density_of(local.z) + density_mirrored_to(way);
+    const bool goes_on = Lambert::sample(u, sample.wi, sample.density);
+    sample.weight = albedo();
     sample.radiance_scale = 1;
     sample.is_mirror = sample.is_beyond = false;
-    return local.z > 0 && dot(way, facet_) != 0;
+    return goes_on;
   }
-
- private:
-  static double density_of(double cosine) { return std::max(cosine, 0.0) * (1 / portable::kPi); }
-  /// Of what is mirrored at the surface into `wi`.
-  double density_mirrored_to(const Vec3& wi) const {
-    return density_of(dot(reflect(wi, facet_), normal_));
-  }
-
-  Color albedo_;
-  Vec3 normal_, facet_;
 };
 
 /// How a material of any model scatters light, so that it gives back no more than it gets and the

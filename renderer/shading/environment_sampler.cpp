@@ -210,7 +210,8 @@ EnvironmentSampler::Patch EnvironmentSampler::patch_at(const Vec3& turned,
 
 double EnvironmentSampler::patch_density(const Vec3& turned, const Vec2* place) const {
   if (!(total_ > 0)) return 0;
-  const Patch at = patch_at(turned, place ? *place : background_.place_in_panorama(turned));
+  const Patch at = patch_at(
+      turned, place ? *place : place_in_panorama(background_.kind, background_.angle, turned));
   const Corners c = corners(at.row, at.column);
   const double left = between(c.top_left, c.bottom_left, at.down);
   const double right = between(c.top_right, c.bottom_right, at.down);

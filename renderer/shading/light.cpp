@@ -52,7 +52,8 @@ bool sample_shaped_light(const Light& light, const Point3& p, double path_length
   if (light.kind == LightKind::cylinder) {
     return sample_cylinder(light, p, sample) && attenuate(light, path_length, sample);
   }
-  if (!sample_place(light, p, sample) || !attenuate(light, path_length, sample)) return false;
+  if (!sample_place(light.position - p, sample) || !attenuate(light, path_length, sample))
+    return false;
   sample.factor *= spot_factor_towards(light, -sample.wi);
   return sample.factor > 0;
 }

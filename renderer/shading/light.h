@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "renderer/math/color.h"
-#include "renderer/math/vec.h"
+#include "renderer/math/numbers.h"
 
 namespace tessera {
 
@@ -44,46 +43,17 @@ struct Light {
   double shadow_distance = std::numeric_limits<double>::infinity();  ///< metres of the world
 };
 
-/// What a light sends to a point.
-struct LightSample {
-  Vec3 wi;              ///< unit, from the point to the light
-  double distance = 0;  ///< metres; infinite for a directional light
-  double factor = 0;    ///< attenuation * beam shape
-};
-
-/// Sets where the light's place lies as seen from `p`; false if that is where it is.
-inline bool sample_place(const Light& light, const Point3& p, LightSample& sample) {
-  const Vec3 to_light = light.position - p;
-  sample.distance = length(to_light);
-  if (!(sample.distance > 0)) return false;
-  sample.wi = to_light / sample.distance;
-  return true;
-}
-
-/// Sets the factor by the distance; false where nothing is left.
-inline bool attenuate(const Light& light, double path_length, LightSample& sample) {
-  const double reach = sample.distance * light.frame_scale;
-  if (reach > light.radius) return false;
-  const LightAttenuation& a = light.attenuation;
-  const double d = a.whole_path ? (sample.distance + path_length) * light.frame_scale : reach;
-  double denominator = a.constant + d * (a.linear + d * a.quadratic);
-  if (!(denominator > 0) && a.is_none()) [[unlikely]]
-    denominator = 1;
-  if (a.at_most_one) denominator = std::max(denominator, 1.0);
-  sample.factor = denominator > 0 ? a.scale / denominator : 0;
-  return sample.factor > 0;
-}
+#include "renderer/shading/light-inl.h"
 
 /// sample_light() of any kind but point.
 bool sample_shaped_light(const Light& light, const Point3& p, double path_length,
                          LightSample& sample);
 
 /// False where nothing arrives at `p`; `path_length` is that from the camera to `p`.
-/// Also a lane each, of lights without beams, in lane_light-inl.h, to the bit.
 inline bool sample_light(const Light& light, const Point3& p, double path_length,
                          LightSample& sample) {
   if (light.kind != LightKind::point) return sample_shaped_light(light, p, path_length, sample);
-  return sample_place(light, p, sample) && attenuate(light, path_length, sample);
+  return sample_place(light.position - p, sample) && attenuate(light, path_length, sample);
 }
 
 /// Sets cos_full and cos_none from the angles, so that most points need no arc.

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "renderer/math/accurate_dot.h"
 #include "renderer/math/elementary.h"
+#include "renderer/math/rounding.h"
 
 namespace tessera {
 namespace {

@@ -33,9 +33,9 @@ HWY_INLINE void store_anywhere(const Lanes3& a, size_t at, double (&parts)[3][kP
 /// What take_to_world() makes of it under the identity, its normals apart.
 HWY_INLINE void place_in_world(Lanes3& point, Lanes3& error) {
   const Lanes zero = hn::Zero(kLaneTag);
-  point = add(point, {zero, zero, zero});  // no -0
-  const Lanes3 size = multiply(abs(point), broadcast(gamma(4)));
-  error = add(add(multiply(error, broadcast(gamma(3) + 1)), size), size);
+  point = point + Lanes3{zero, zero, zero};  // no -0
+  const Lanes3 size = abs(point) * broadcast(gamma(4));
+  error = error * broadcast(gamma(3) + 1) + size + size;
 }
 /// Plane::place_surface().
 HWY_INLINE LaneSurface surface_of(const Plane& plane, const Vec3& front, const Lanes3& at) {
@@ -43,11 +43,11 @@ HWY_INLINE LaneSurface surface_of(const Plane& plane, const Vec3& front, const L
   const Lanes3 normal = broadcast(plane.normal());
   const Lanes offset = broadcast(plane.offset());
   s.point = at;
-  const Lanes distance = hn::Sub(dot(normal, s.point), offset);
-  s.point = subtract(s.point, multiply(normal, distance));
-  const Lanes terms = hn::Add(sum(abs(multiply(normal, s.point))), hn::Abs(offset));
-  const Lanes error = hn::Mul(broadcast(2), hn::Mul(broadcast(gamma(4)), terms));
-  s.error = add(multiply(abs(s.point), broadcast(gamma(3))), multiply(abs(normal), error));
+  const Lanes distance = dot(normal, s.point) - offset;
+  s.point = s.point - normal * distance;
+  const Lanes terms = sum(abs(normal * s.point)) + hn::Abs(offset);
+  const Lanes error = broadcast(2) * (broadcast(gamma(4)) * terms);
+  s.error = abs(s.point) * broadcast(gamma(3)) + abs(normal) * error;
   place_in_world(s.point, s.error);
   s.front = s.shading = broadcast(front);
   return s;
@@ -56,17 +56,16 @@ HWY_INLINE LaneSurface surface_of(const Plane& plane, const Vec3& front, const L
 HWY_INLINE LaneSurface surface_of(const Sphere& sphere, double facing, const Lanes3& at) {
   LaneSurface s;
   const Lanes3 center = broadcast(sphere.center());
-  const Lanes3 n = normalize(subtract(at, center));
-  s.point = add(center, multiply(n, broadcast(sphere.radius())));
-  const Lanes3 terms =
-      add(add(abs(center), multiply(abs(n), broadcast(5 * sphere.radius()))), abs(s.point));
-  s.error = multiply(terms, broadcast(kUnitRoundoff));
+  const Lanes3 n = normalize(at - center);
+  s.point = center + n * broadcast(sphere.radius());
+  const Lanes3 terms = abs(center) + abs(n) * broadcast(5 * sphere.radius()) + abs(s.point);
+  s.error = terms * broadcast(kUnitRoundoff);
   place_in_world(s.point, s.error);
   const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes3 whole = add(n, {zero, zero, zero});
+  const Lanes3 whole = n + Lanes3{zero, zero, zero};
   const auto is_unit = hn::Eq(dot(whole, whole), broadcast(1));
   s.front = select(is_unit, whole, normalize(whole));
-  s.front = s.shading = multiply(s.front, broadcast(facing));
+  s.front = s.shading = s.front * broadcast(facing);
   return s;
 }
 
@@ -74,11 +73,11 @@ HWY_INLINE LaneSurface surface_of(const Sphere& sphere, double facing, const Lan
 HWY_INLINE LaneSurface surface_of(const Rectangle& rectangle, Lanes u, Lanes v) {
   LaneSurface s;
   const Lanes3 corner = broadcast(rectangle.corner());
-  const Lanes3 along = multiply(broadcast(rectangle.edge_u()), u);
-  const Lanes3 up = multiply(broadcast(rectangle.edge_v()), v);
-  s.point = add(add(corner, along), up);
-  s.error = add(multiply(add(abs(along), abs(up)), broadcast(gamma(8))),
-                multiply(add(abs(corner), abs(s.point)), broadcast(gamma(3))));
+  const Lanes3 along = broadcast(rectangle.edge_u()) * u;
+  const Lanes3 up = broadcast(rectangle.edge_v()) * v;
+  s.point = corner + along + up;
+  s.error = (abs(along) + abs(up)) * broadcast(gamma(8)) +
+            (abs(corner) + abs(s.point)) * broadcast(gamma(3));
   return s;
 }
 
@@ -104,8 +103,8 @@ struct LaneSurfaces {
 HWY_INLINE Lanes3 origin_towards(const LaneSurface& s, const Lanes3& direction) {
   const auto behind = hn::Lt(dot(s.front, direction), hn::Zero(kLaneTag));
   const Lanes reach = dot(abs(s.front), s.error);
-  const Lanes3 offset = multiply(s.front, hn::IfThenElse(behind, hn::Neg(reach), reach));
-  const Lanes3 origin = add(s.point, offset);
+  const Lanes3 offset = s.front * hn::IfThenElse(behind, hn::Neg(reach), reach);
+  const Lanes3 origin = s.point + offset;
   return {next_towards(origin.x, offset.x), next_towards(origin.y, offset.y),
           next_towards(origin.z, offset.z)};
 }

@@ -23,12 +23,12 @@ using MatrixRow = std::array<double, 4>;
 
 /// |m[0]| v.x + |m[1]| v.y + |m[2]| v.z
 HWY_INLINE Lanes grown(const MatrixRow& m, const Lanes3& v) {
-  return sum({hn::Mul(broadcast(std::abs(m[0])), v.x), hn::Mul(broadcast(std::abs(m[1])), v.y),
-              hn::Mul(broadcast(std::abs(m[2])), v.z)});
+  return sum({broadcast(std::abs(m[0])) * v.x, broadcast(std::abs(m[1])) * v.y,
+              broadcast(std::abs(m[2])) * v.z});
 }
 /// |m[0] p.x| + |m[1] p.y| + |m[2] p.z| + |m[3]|
 HWY_INLINE Lanes size_of(const MatrixRow& m, const Lanes3& p) {
-  return hn::Add(grown(m, abs(p)), broadcast(std::abs(m[3])));
+  return grown(m, abs(p)) + broadcast(std::abs(m[3]));
 }
 HWY_INLINE Lanes3 of_rows(const auto& of_row) { return {of_row(0), of_row(1), of_row(2)}; }
 
@@ -39,29 +39,28 @@ HWY_INLINE void place_in_world(const Transform& world_from_object, Lanes3& point
   const Lanes3 local = point;
   point = of_rows([&](size_t r) HWY_ATTR {
     const MatrixRow& m = to[r];
-    return hn::Add(hn::Add(hn::Mul(broadcast(m[0]), local.x), hn::Mul(broadcast(m[1]), local.y)),
-                   hn::Add(hn::Mul(broadcast(m[2]), local.z), broadcast(m[3])));
+    return broadcast(m[0]) * local.x + broadcast(m[1]) * local.y +
+           (broadcast(m[2]) * local.z + broadcast(m[3]));
   });
-  const Lanes3 round_trip = of_rows(
-      [&](size_t r) HWY_ATTR { return hn::Mul(broadcast(gamma(4)), size_of(from[r], point)); });
+  const Lanes3 round_trip =
+      of_rows([&](size_t r) HWY_ATTR { return broadcast(gamma(4)) * size_of(from[r], point); });
   error = of_rows([&](size_t r) HWY_ATTR {
-    const Lanes given = hn::Mul(broadcast(gamma(3) + 1), grown(to[r], error));
-    const Lanes rounding = hn::Mul(broadcast(gamma(4)), size_of(to[r], local));
-    return hn::Add(hn::Add(given, rounding), grown(to[r], round_trip));
+    const Lanes given = broadcast(gamma(3) + 1) * grown(to[r], error);
+    const Lanes rounding = broadcast(gamma(4)) * size_of(to[r], local);
+    return given + rounding + grown(to[r], round_trip);
   });
 }
 /// normalize(Transform::normal(n))
 HWY_INLINE Lanes3 normal_in_world(const Transform& world_from_object, const Lanes3& n) {
   const auto& m = world_from_object.inverse_matrix().m;
   return normalize(of_rows([&](size_t c) HWY_ATTR {
-    return sum({hn::Mul(broadcast(m[0][c]), n.x), hn::Mul(broadcast(m[1][c]), n.y),
-                hn::Mul(broadcast(m[2][c]), n.z)});
+    return sum({broadcast(m[0][c]) * n.x, broadcast(m[1][c]) * n.y, broadcast(m[2][c]) * n.z});
   }));
 }
 /// The same under the identity.
 HWY_INLINE Lanes3 unmoved_normal(const Lanes3& n) {
   const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes3 whole = add(n, {zero, zero, zero});  // no -0
+  const Lanes3 whole = n + Lanes3{zero, zero, zero};  // no -0
   const auto is_unit = hn::Eq(dot(whole, whole), broadcast(1));
   return select(is_unit, whole, normalize(whole));
 }
@@ -80,9 +79,9 @@ HWY_INLINE void take_to_world(const Transform& world_from_object, bool flip_norm
     s.shading = normal_in_world(world_from_object, s.shading);
   }
   s.shading = select(is_flat, s.front, s.shading);
-  if (flip_normals) s.front = negate(s.front), s.shading = negate(s.shading);
+  if (flip_normals) s.front = -s.front, s.shading = -s.shading;
   const auto is_behind = hn::Lt(dot(s.front, s.shading), broadcast(kFlipCosine));
-  s.shading = select(is_behind, negate(s.shading), s.shading);
+  s.shading = select(is_behind, -s.shading, s.shading);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -20,18 +20,6 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-/// difference_of_products()
-HWY_INLINE Lanes difference_of_products(Lanes a, Lanes b, Lanes c, Lanes d) {
-  const LanesSum ab = two_product(a, b), cd = two_product(c, d);
-  const LanesSum s = two_sum(ab.high, hn::Neg(cd.high)), e = two_sum(ab.low, hn::Neg(cd.low));
-  const LanesSum t = two_sum(s.low, e.high);
-  return hn::Add(s.high, hn::Add(t.high, hn::Add(t.low, e.low)));
-}
-HWY_INLINE Lanes3 accurate_cross(const Lanes3& a, const Lanes3& b) {
-  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-          difference_of_products(a.x, b.y, a.y, b.x)};
-}
-
 /// The vertices of triangles of one mesh.
 class TriangleLanes {
  public:
@@ -46,7 +34,7 @@ class TriangleLanes {
   }
   HWY_INLINE Lanes3 of(const std::vector<Float3>& vertices, size_t k) const {
     const auto part = [&](int32_t axis) HWY_ATTR {
-      const auto at = hn::Add(at_[k], hn::Set(kNarrowIndexTag, axis));
+      const auto at = at_[k] + hn::Set(kNarrowIndexTag, axis);
       return hn::PromoteTo(kLaneTag, hn::GatherIndex(kNarrowTag, &vertices[0].x, at));
     };
     return {part(0), part(1), part(2)};
@@ -64,28 +52,26 @@ HWY_INLINE LaneSurface surface_of(const TriangleMesh& mesh, const uint32_t* tria
                                   Lanes v, uint32_t& bad) {
   const TriangleLanes lanes(mesh, triangles);
   const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes weight[3] = {hn::Sub(hn::Sub(broadcast(1), u), v), u, v};
+  const Lanes weight[3] = {broadcast(1) - u - v, u, v};
   Lanes3 corner[3];
   LaneSurface s;
   s.point = s.error = {zero, zero, zero};
   for (size_t k = 0; k < 3; ++k) {
     corner[k] = lanes.of(mesh.positions, k);
-    const Lanes3 share = multiply(corner[k], weight[k]);
-    s.point = add(s.point, share);
-    s.error = add(s.error, abs(share));
+    const Lanes3 share = corner[k] * weight[k];
+    s.point = s.point + share;
+    s.error = s.error + abs(share);
   }
-  s.error = multiply(s.error, broadcast(gamma(7)));
-  const Lanes3 n = accurate_cross(subtract(corner[1], corner[0]), subtract(corner[2], corner[0]));
-  const Lanes3 size = abs(n);
-  const Lanes largest = max(size.x, max(size.y, size.z));
-  bad = movemask(hn::Not(hn::Gt(largest, zero)));
+  s.error = s.error * broadcast(gamma(7));
+  const Lanes3 n = accurate_cross(corner[1] - corner[0], corner[2] - corner[0]);
+  bad = movemask(hn::Not(hn::Gt(max_component(abs(n)), zero)));
   s.front = s.shading = normalize(n);
   if (mesh.normals.empty()) return s;
-  const Lanes3 smooth = add(add(multiply(lanes.of(mesh.normals, 0), weight[0]),
-                                multiply(lanes.of(mesh.normals, 1), weight[1])),
-                            multiply(lanes.of(mesh.normals, 2), weight[2]));
+  const Lanes3 smooth = lanes.of(mesh.normals, 0) * weight[0] +
+                        lanes.of(mesh.normals, 1) * weight[1] +
+                        lanes.of(mesh.normals, 2) * weight[2];
   const Lanes squared = dot(smooth, smooth);
-  const auto is_finite = hn::Eq(hn::Mul(sum(smooth), zero), zero);
+  const auto is_finite = hn::Eq(sum(smooth) * zero, zero);
   const auto is_smooth = hn::And(is_finite, hn::Gt(squared, zero));
   s.shading = select(is_smooth, normalize(smooth), s.shading);
   return s;

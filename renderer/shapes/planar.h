@@ -1,6 +1,6 @@
 #pragma once
 
-#include "renderer/math/accurate_dot.h"
+#include "renderer/math/rounding.h"
 #include "renderer/shapes/shape.h"
 
 namespace tessera {

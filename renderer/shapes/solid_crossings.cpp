@@ -8,8 +8,9 @@ namespace tessera {
 
 bool Sphere::span(const Ray& ray, const RayError& error, SolidSpan& span) const {
   double t[2];
-  const Vec3 f = ray.origin - center_;
-  if (surely_missed_by_line(ray.direction, f) || !roots(ray.direction, f, t[0], t[1])) return false;
+  const SphereLine line = line_of(ray);
+  const Vec3& f = line.from;
+  if (line.surely_misses(false) || !line.roots(t[0], t[1])) return false;
   const double places =
       l1_norm(center_ - Point3{}) + l1_norm(ray.origin - Point3{}) + l1_norm(f) + radius_;
   for (int i = 0; i < 2; ++i) {

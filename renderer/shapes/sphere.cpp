@@ -14,28 +14,6 @@ Bounds3 Sphere::bounds() const {
   return box;
 }
 
-bool Sphere::roots(const Vec3& d, const Vec3& f, double& t0, double& t1) const {
-  // Haines, Guenther, Akenine-Moller: Precision Improvements for Ray/Sphere Intersection (Ray
-  // Tracing Gems 7). The distance of the line from the centre is taken before it is squared.
-  const double a = dot(d, d);
-  const double b = -dot(f, d);
-  const Vec3 nearest = f + d * (b / a);
-  const double from_axis = length(nearest);
-  const double discriminant = (radius_ + from_axis) * (radius_ - from_axis);
-  if (!(discriminant >= 0)) return false;
-  const double distance_f = length(f);
-  const double c = (distance_f + radius_) * (distance_f - radius_);
-  const double q = b + std::copysign(std::sqrt(a * discriminant), b);
-  if (q == 0) {
-    t0 = t1 = 0;
-    return true;
-  }
-  t0 = c / q;
-  t1 = q / a;
-  if (t0 > t1) std::swap(t0, t1);
-  return true;
-}
-
 bool Sphere::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   ++counters.primitive_tests;
   double t;

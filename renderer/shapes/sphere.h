@@ -1,8 +1,16 @@
 #pragma once
 
+#include "renderer/math/numbers.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
+
+inline constexpr double kSphereMargin = 0x1p-44;  ///< hundreds of times the rounding of the squares
+/// The least product of the squares of direction and distance that rounding alone tells the error
+/// of: below it what underflows may be more than kSphereMargin.
+inline constexpr double kLeastSphereProduct = 1e-280;
+
+#include "renderer/shapes/sphere-inl.h"
 
 /// The sphere about `center`; `radius` > 0. Texture coordinates as X3D maps a sphere: u runs
 /// counter-clockwise seen from +y from the seam at -z, v from 0 at -y to 1 at +y.
@@ -14,7 +22,6 @@ class Sphere final : public ConvexSolid {
   const Point3& center() const { return center_; }
   double radius() const { return radius_; }
   Bounds3 bounds() const override;
-  /// Also a lane each in sphere_lanes-inl.h, to the bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   /// Also a lane each in lane_surface-inl.h, to the bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
@@ -25,43 +32,26 @@ class Sphere final : public ConvexSolid {
     return inner > 0 && squared < inner * inner ? Side::inside : Side::in_doubt;
   }
 
-  static constexpr double kMargin = 0x1p-44;  ///< hundreds of times the rounding of the squares
-  /// The least product of the squares of direction and distance that rounding alone tells the error
-  /// of: below it what underflows may be more than kMargin.
-  static constexpr double kLeastProduct = 1e-280;
   /// Where `ray` first meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull
   /// does not count.
   bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
-    const Vec3 f = ray.origin - center_;
-    if (surely_missed(ray, f)) return false;
-    double roots_of[2];
-    if (!roots(ray.direction, f, roots_of[0], roots_of[1])) return false;
+    const SphereLine line = line_of(ray);
+    if (line.surely_misses(ray.t_min >= 0)) return false;
+    double roots[2];
+    if (!line.roots(roots[0], roots[1])) return false;
     for (int i = 0; i < 2; ++i) {
       // Entering shows the front, leaving the back.
       if (cull == (i == 0 ? Cull::front : Cull::back)) continue;
-      t = roots_of[i];
+      t = roots[i];
       if (t > ray.t_min && t < ray.t_max) return t <= limit;
     }
     return false;
   }
 
  private:
-  /// A cheap test, without roots and divisions, that most misses pass; where it says nothing the
-  /// roots decide. `f` leads from the centre to the ray's origin.
-  bool surely_missed(const Ray& ray, const Vec3& f) const {
-    const double a = dot(ray.direction, ray.direction), ff = dot(f, f), b = dot(f, ray.direction);
-    const double rr = radius_ * radius_, all = a * ff;
-    if (!(all > kLeastProduct)) return false;
-    if (b > 0 && ray.t_min >= 0 && ff - rr > kMargin * ff) return true;  // it lies behind
-    return all - b * b - a * rr > kMargin * all;
+  SphereLine line_of(const Ray& ray) const {
+    return {ray.origin - center_, ray.direction, radius_};
   }
-  /// The same for the whole line.
-  bool surely_missed_by_line(const Vec3& d, const Vec3& f) const {
-    const double a = dot(d, d), b = dot(f, d), all = a * dot(f, f);
-    return all > kLeastProduct && all - b * b - a * (radius_ * radius_) > kMargin * all;
-  }
-  /// Roots in ascending order; false where the line misses.
-  bool roots(const Vec3& direction, const Vec3& f, double& t0, double& t1) const;
 
   Point3 center_;
   double radius_;

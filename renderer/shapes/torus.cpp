@@ -1,9 +1,9 @@
 #include "renderer/shapes/torus.h"
 
 #include "base/error.h"
-#include "renderer/math/accurate_dot.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/quartic.h"
+#include "renderer/math/rounding.h"
 #include "renderer/shapes/planar.h"
 
 namespace tessera {

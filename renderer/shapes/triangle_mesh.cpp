@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "renderer/math/accurate_dot.h"
+#include "renderer/math/rounding.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,10 @@
 // Compiled once for each instruction set, as a part of wavefront-inl.h: what lights and
 // panoramas are to many points and rays, a lane each.
-#if defined(TESSERA_LANE_LIGHT_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef TESSERA_LANE_LIGHT_INL_H
-#undef TESSERA_LANE_LIGHT_INL_H
+#if defined(TESSERA_LIGHT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TESSERA_LIGHT_LANES_INL_H
+#undef TESSERA_LIGHT_LANES_INL_H
 #else
-#define TESSERA_LANE_LIGHT_INL_H
+#define TESSERA_LIGHT_LANES_INL_H
 #endif
 
 #include <hwy/highway.h>
@@ -22,21 +22,19 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-/// A light, as it is at each point.
-struct Arriving {
-  Lanes3 wi;
-  Lanes distance, factor;
-};
+#include "renderer/shading/light-inl.h"
+#include "renderer/shading/panorama-inl.h"
+
 /// sample_light() of a light with a beam, point by point.
 inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes path_length,
-                              Arriving& sample) {
+                              LightSample& sample) {
   const Stored3 points(point);
   alignas(64) double paths[kLanes], distances[kLanes], factors[kLanes];
   hn::Store(path_length, kLaneTag, paths);
   Stored3 ways(point);
   uint32_t reached = 0;
   for (size_t lane = 0; lane < kLanes; ++lane) {
-    LightSample one;
+    tessera::LightSample one{};
     if (sample_light(light, points.point(lane), paths[lane], one)) {
       reached |= 1u << lane;
     } else {
@@ -50,35 +48,19 @@ inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes pat
 }
 /// sample_light(); a bit for each point that it reaches.
 HWY_INLINE uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
-                           Arriving& sample) {
+                           LightSample& sample) {
   if (light.kind == LightKind::directional) {
     sample = {broadcast(-light.direction), broadcast(std::numeric_limits<double>::infinity()),
               broadcast(1)};
     return ~0u;
   }
   if (light.kind != LightKind::point) return sample_shaped(light, point, path_length, sample);
-  const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes3 to_light = subtract(broadcast(light.position), point);
-  sample.distance = hn::Sqrt(dot(to_light, to_light));
-  sample.wi = divide(to_light, sample.distance);
-  const Lanes scale = broadcast(light.frame_scale);
-  const Lanes reach = hn::Mul(sample.distance, scale);
-  const LightAttenuation& a = light.attenuation;
-  const Lanes d = a.whole_path ? hn::Mul(hn::Add(sample.distance, path_length), scale) : reach;
-  const Lanes inner = hn::Add(broadcast(a.linear), hn::Mul(d, broadcast(a.quadratic)));
-  Lanes denominator = hn::Add(broadcast(a.constant), hn::Mul(d, inner));
-  if (a.is_none())
-    denominator = hn::IfThenElse(hn::Gt(denominator, zero), denominator, broadcast(1));
-  if (a.at_most_one) denominator = max(denominator, broadcast(1));
-  sample.factor =
-      hn::IfThenElse(hn::Gt(denominator, zero), hn::Div(broadcast(a.scale), denominator), zero);
-  const auto is_beyond = hn::Gt(reach, broadcast(light.radius));
-  const auto arrives = hn::And(hn::Gt(sample.distance, zero), hn::Gt(sample.factor, zero));
-  return movemask(hn::AndNot(is_beyond, arrives));
+  const LaneMask is_elsewhere = sample_place(broadcast(light.position) - point, sample);
+  return movemask(both(is_elsewhere, attenuate(light, path_length, sample)));
 }
 
 /// LightBuffer::boxes_met() in the lanes of `bits`.
-HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const Arriving& sampled,
+HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const LightSample& sampled,
                         uint32_t bits, uint32_t* boxes) {
   if (!buffer.is_of_place()) {
     const Stored3 points(s.point), wi(sampled.wi);
@@ -96,14 +78,14 @@ HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const A
     return hn::IfThenElse(by_x, of_x, hn::IfThenElse(by_y, of_y, of_z));
   };
   const auto cell = [](Lanes part) HWY_ATTR {
-    return hn::Trunc(hn::Mul(hn::Add(part, broadcast(LightBuffer::kEdge)),
-                             broadcast(LightBuffer::kCellsPerPart)));
+    return hn::Trunc((part + broadcast(LightBuffer::kEdge)) *
+                     broadcast(LightBuffer::kCellsPerPart));
   };
   const Lanes below = hn::IfThenElseZero(hn::Lt(of_axis(d.x, d.y, d.z), zero), broadcast(1));
-  const Lanes face = hn::Add(of_axis(zero, broadcast(2), broadcast(4)), below);
+  const Lanes face = of_axis(zero, broadcast(2), broadcast(4)) + below;
   const Lanes column = cell(of_axis(d.y, d.z, d.x)), row = cell(of_axis(d.z, d.x, d.y));
   alignas(64) double cells[kLanes];
-  hn::Store(hn::Add(hn::Mul(hn::Add(hn::Mul(face, side), row), side), column), kLaneTag, cells);
+  hn::Store((face * side + row) * side + column, kLaneTag, cells);
   const uint32_t told = movemask(hn::Gt(sampled.distance, broadcast(LightBuffer::kLeastDistance)));
   while (bits != 0) {
     const size_t lane = take_lowest_lane(bits);
@@ -112,19 +94,10 @@ HWY_INLINE void look_up(const LightBuffer& buffer, const LaneSurface& s, const A
   }
 }
 
-/// Background::place_in_panorama().
-HWY_INLINE void place_in_panorama(const Background& beyond, const Lanes3& d, double* s, double* t) {
+/// Where in a panorama lies what is seen along unit directions of the world.
+HWY_INLINE Lanes2 place_in_panorama(const Background& beyond, const Lanes3& d) {
   const auto turned = [&](int axis) HWY_ATTR { return dot(broadcast(beyond.rotation[axis]), d); };
-  const Lanes x = turned(0), y = turned(1), z = turned(2);
-  const Lanes azimuth = hn::Add(atan2(x, hn::Neg(z)), broadcast(beyond.angle));
-  const Lanes turn = hn::Add(broadcast(0.5), hn::Div(azimuth, broadcast(2 * portable::kPi)));
-  hn::Store(hn::Sub(turn, hn::Floor(turn)), kLaneTag, s);
-  if (beyond.kind == BackgroundKind::panorama_equal_area) {
-    hn::Store(hn::Sub(broadcast(0.5), hn::Div(y, broadcast(2))), kLaneTag, t);
-  } else {
-    const Lanes across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(z, z)));
-    hn::Store(hn::Div(atan2(across, y), broadcast(portable::kPi)), kLaneTag, t);
-  }
+  return place_in_panorama(beyond.kind, beyond.angle, {turned(0), turned(1), turned(2)});
 }
 
 }  // namespace HWY_NAMESPACE
