@@ -53,7 +53,10 @@ class Access(StudioTest):
         self.assertNotEqual(self.running.token, other.token)
         self.assertRegex(self.running.token, r"\A[0-9a-f]{32,}\Z")
         for process in marked_processes(self.mark):
-            seen = pathlib.Path(f"/proc/{process}/cmdline").read_bytes()
+            try:
+                seen = pathlib.Path(f"/proc/{process}/cmdline").read_bytes()
+            except OSError:
+                continue  # it has ended
             self.assertNotIn(self.running.token.encode(), seen)
         page = Page(other.address)
         page.say("hello", token=self.running.token)

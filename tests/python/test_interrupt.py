@@ -1,6 +1,5 @@
 """Ctrl-C and the end of the interpreter."""
 import contextlib
-import glob
 import os
 import pathlib
 import signal
@@ -11,24 +10,12 @@ import threading
 import time
 
 import pytest
+from processes import children, workers
 
 import tessera as ts
 
 KNOT = str(pathlib.Path(__file__).parents[2] / "scenes" / "samples" / "knot.tessera")
 ENDLESS = "size=(4000, 3000), spp=64"  # minutes, in many small tiles
-
-
-def children(pid):
-    """The process ids of all that a process started."""
-    found = []
-    for stat in glob.glob("/proc/[0-9]*/stat"):
-        try:
-            fields = pathlib.Path(stat).read_text().rsplit(")", 1)[1].split()
-        except OSError:
-            continue
-        if int(fields[1]) == pid and fields[0] != "Z":
-            found.append(int(stat.split("/")[2]))
-    return found
 
 
 def wait_until(condition, seconds=20):
@@ -238,8 +225,7 @@ except KeyboardInterrupt:
     process.send_signal(signal.SIGINT)
     assert next_line(process) == "interrupted\n"
     assert not [p for p in folder.iterdir() if p.name.startswith("tessera-farm")]
-    assert not [c for c in children(process.pid)
-                if b"worker" in pathlib.Path(f"/proc/{c}/cmdline").read_bytes()]
+    assert not workers(process.pid)
     process.communicate("\n", timeout=20)
     assert process.returncode == 0
 
@@ -335,11 +321,11 @@ print("begins", flush=True)
 ts.render({KNOT!r}, {ENDLESS}, farm=farm)
 """
     process = started(script)
-    workers = children(process.pid)
-    assert len(workers) >= 2
+    helpers = children(process.pid)
+    assert len(helpers) >= 2
     process.kill()
     process.wait()
-    wait_until(lambda: not any(os.path.exists(f"/proc/{w}") for w in workers))
+    wait_until(lambda: not any(os.path.exists(f"/proc/{each}") for each in helpers))
     left = [path.name for path in folder.iterdir() if path.name.startswith("tessera-farm")]
     assert left
     next_one = started(f"""
@@ -386,16 +372,6 @@ for _ in range(4): threading.Thread(target=loop, daemon=True).start()
 time.sleep(.3)
 print("ends")
 """) == "ends"
-
-
-def workers():
-    """The ids of worker processes that this one has started."""
-    found = []
-    for each in children(os.getpid()):
-        with contextlib.suppress(OSError):  # it may have ended meanwhile
-            if b"worker" in pathlib.Path(f"/proc/{each}/cmdline").read_bytes():
-                found.append(each)
-    return sorted(found)
 
 
 def test_a_render_that_fails_has_what_was_done_of_its_picture():

@@ -13,6 +13,7 @@ import warnings
 
 import numpy as np
 import pytest
+from processes import workers
 
 import tessera as ts
 
@@ -426,17 +427,12 @@ def test_nothing_is_printed_or_warned(capfd, expected):
 
 
 def test_a_kept_farm_replaces_workers_while_it_is_idle():
-    def workers():
-        return {int(pid) for task in pathlib.Path("/proc/self/task").iterdir()
-                for pid in (task / "children").read_text().split()
-                if pathlib.Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"tessera\0worker\0")}
-
     with ts.LocalFarm(1) as farm:
         ts.render(KNOT, size=(8, 8), spp=1, farm=farm)
         before, = workers()
         os.kill(before, signal.SIGKILL)
         end = time.monotonic() + 60
-        while not workers() - {before}:
+        while not set(workers()) - {before}:
             assert time.monotonic() < end
             time.sleep(.02)
 
