@@ -4,7 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <mutex>
 #include <vector>
+
+#include "base/core_count.h"
+#include "base/parallel.h"
 
 #include "renderer/math/elementary.h"
 
@@ -31,6 +35,10 @@ class Histogram {
     const int bin = (exponent - 1 + kMost) * kBinsPerStop + int(next - starts_.begin()) - 1;
     ++counts_[static_cast<size_t>(std::clamp(bin, 0, kBins - 1))];
     ++total_;
+  }
+  void add(const Histogram& other) {
+    for (size_t bin = 0; bin < counts_.size(); ++bin) counts_[bin] += other.counts_[bin];
+    total_ += other.total_;
   }
   bool empty() const { return total_ == 0; }
   /// Mean of what is left without the ends.
@@ -65,15 +73,23 @@ int surface_channel(AovSet aovs) {
 
 double auto_exposure(const Film& film) {
   const int tells = surface_channel(film.aovs());
-  Histogram histogram;
   const std::span<const float> values = film.values();
   const auto channels = static_cast<size_t>(film.channels());
-  for (size_t pixel = 0; pixel < values.size(); pixel += channels) {
-    if (tells >= 0 && !(values[pixel + static_cast<size_t>(tells)] > 0)) continue;
-    const double luminance =
-        0.2126 * values[pixel] + 0.7152 * values[pixel + 1] + 0.0722 * values[pixel + 2];
-    if (luminance > 0 && std::isfinite(luminance)) histogram.add(luminance);
-  }
+  Histogram histogram;
+  std::mutex mutex;
+  constexpr size_t kPixelsAtOnce = size_t{1} << 20;
+  for_each_piece_parallel(
+      values.size() / channels, kPixelsAtOnce, core_count(), [&](size_t begin, size_t end) {
+        Histogram part;
+        for (size_t at = begin * channels; at < end * channels; at += channels) {
+          if (tells >= 0 && !(values[at + static_cast<size_t>(tells)] > 0)) continue;
+          const double luminance =
+              0.2126 * values[at] + 0.7152 * values[at + 1] + 0.0722 * values[at + 2];
+          if (luminance > 0 && std::isfinite(luminance)) part.add(luminance);
+        }
+        const std::lock_guard lock(mutex);
+        histogram.add(part);
+      });
   if (histogram.empty()) return 0;
   const double stops = portable::log(kMiddleGrey) / portable::log(2) - histogram.mean();
   return std::round(100 * stops) / 100;
