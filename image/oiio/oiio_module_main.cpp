@@ -405,13 +405,15 @@ std::string select_part(const Picture& picture) {
   return best == 0 ? "" : name_of_part(input);
 }
 
-/// Whether the last channel, of integers, is 0 in all of the pixels.
-bool is_clear(const ImageAnswer& picture) {
-  const auto size = static_cast<size_t>(picture.layout.bits / 8);
-  const size_t stride = static_cast<size_t>(picture.layout.channels) * size;
-  for (size_t end = stride; end <= picture.payload.size(); end += stride) {
+/// Whether alpha, the last channel of what was read, is nothing: no header says what it is, and it
+/// is 0 in all of the pixels.
+bool has_empty_alpha(const Picture& picture, const ImageAnswer& read) {
+  if (picture.alpha != Alpha::coverage_if_any) return false;
+  const auto size = static_cast<size_t>(read.layout.bits / 8);
+  const size_t stride = static_cast<size_t>(read.layout.channels) * size;
+  for (size_t end = stride; end <= read.payload.size(); end += stride) {
     for (size_t i = 1; i <= size; ++i)
-      if (picture.payload[end - i] != 0) return false;
+      if (read.payload[end - i] != 0) return false;
   }
   return true;
 }
@@ -423,9 +425,7 @@ ImageAnswer decode_all(const std::string& format, int file) {
   Order order;
   for (uint32_t i = 0; i < names.size(); ++i) order.emplace_back(i);
   ImageAnswer answer = read_channels(picture, Extent::crop, order, type_of(picture.spec(), order));
-  if (picture.alpha == Alpha::coverage_if_any && names.back() == "A" && is_clear(answer)) {
-    names.back() = kUnused;
-  }
+  if (names.back() == "A" && has_empty_alpha(picture, answer)) names.back() = kUnused;
   answer.names = joined(names);
   answer.meaning = meaning_of(picture, color_channels_of(names));
   answer.part = std::move(part);
@@ -466,7 +466,7 @@ ImageAnswer read_colors(const Picture& picture) {
   std::vector<std::string> names = channel_names(picture);
   ColorChannels used = color_channels_of(names);
   ImageAnswer answer = read_used(picture, used);
-  if (picture.alpha == Alpha::coverage_if_any && used.alpha && is_clear(answer)) {
+  if (used.alpha && has_empty_alpha(picture, answer)) {
     names[*used.alpha] = kUnused;
     used = color_channels_of(names);
     answer = read_used(picture, used);

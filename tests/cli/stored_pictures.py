@@ -33,7 +33,7 @@ def png(pixel, bits, size=2):
 def tiff(pixel, kind, *extra, photometric=None, palette=None, size=2):
     """`kind`: bits of an integer, "half" or "float". `extra`: what TIFF 6.0 calls ExtraSamples, of the
     last channels: 0 anything, 1 associated alpha, 2 unassociated alpha. `palette`: the colours, each of
-    three numbers, of which the first channel holds indices."""
+    three numbers; the first channel holds indices into them."""
     bits = {"half": 16, "float": 32}.get(kind, kind)
     letter = {"half": "e", "float": "f"}.get(kind)
     if letter:
