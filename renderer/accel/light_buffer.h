@@ -32,7 +32,7 @@ class LightBuffer {
   bool is_of_place() const { return is_place_; }
   /// A bit for each box that rays may hit something in which leave the surface at `point` for the
   /// light, in direction `wi` of unit length and so far away.
-  /// Also a lane each in light_lanes-inl.h, to the bit.
+  /// light_lanes-inl.h has the same for lanes, with the same bits.
   uint32_t boxes_met(const Point3& point, const Vec3& wi, double distance) const {
     if (!is_place_) return met_along(point - Point3{});
     if (!(distance > kLeastDistance)) [[unlikely]]

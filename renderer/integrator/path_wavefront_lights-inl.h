@@ -87,11 +87,11 @@ class PathWavefrontLights {
     const LaneSurface& here = bundle.surface;
     const Lanes3 wi = normalize(place - here.point);
     const auto in_front = hn::Lt(dot(wi, normal), zero);
-    const Lanes3 shine = select(in_front, load(points_.front, at), load(points_.back, at));
+    const Lanes3 emitted = select(in_front, load(points_.front, at), load(points_.back, at));
     BsdfValue value = lambert.evaluate(wi);
-    const auto shines_not = is_black(shine);
-    value.density = hn::IfThenZeroElse(shines_not, value.density);
-    const auto is_dark = hn::Or(shines_not, is_black(value.share));
+    const auto emits_none = is_black(emitted);
+    value.density = hn::IfThenZeroElse(emits_none, value.density);
+    const auto is_dark = hn::Or(emits_none, is_black(value.share));
     const uint32_t asked = chosen & ~movemask(is_dark);
     state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(chosen & ~asked));
     state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(asked));
@@ -103,7 +103,7 @@ class PathWavefrontLights {
         dot(abs(side), load(points_.error, at)) + broadcast(kLiftRoundings) * sum(abs(back));
     const Lanes3 origin = origin_towards(here, -back);
     const Lanes3 stretch = place + side * lift - origin;
-    const Lanes3 light = select(is_dark, none, shine * value.share);
+    const Lanes3 light = select(is_dark, none, emitted * value.share);
     const Lanes weight =
         hn::IfThenZeroElse(is_dark, power_heuristic(density, value.density) / density);
     if (may_wait) {
@@ -180,10 +180,10 @@ class PathWavefrontLights {
     put(light.front, i, points_.front);
     put(light.back, i, points_.back);
     if (!light.has_texture) return;
-    const Color shine =
+    const Color emitted =
         looked_up_emission(scene_, light.instance, sample, from, width_of(i), state_.counters);
-    if (!is_black(light.front)) put(shine, i, points_.front);
-    if (!is_black(light.back)) put(shine, i, points_.back);
+    if (!is_black(light.front)) put(emitted, i, points_.front);
+    if (!is_black(light.back)) put(emitted, i, points_.back);
   }
 
   /// Of stretches in the lanes of `asked` those that something stops.

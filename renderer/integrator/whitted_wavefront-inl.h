@@ -372,7 +372,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const Lanes n_dot_l = dot(bundle.normal, wi), zero = hn::Zero(kLaneTag);
     Lanes factor = n_dot_l;
     if (material.diffuse_model == DiffuseModel::lambert) {
-      factor = larger(n_dot_l, zero);
+      factor = maximum(n_dot_l, zero);
     } else if (material.diffuse_model == DiffuseModel::half_lambert) {
       alignas(64) double cosines[kLanes];
       hn::Store(n_dot_l, kLaneTag, cosines);
@@ -537,7 +537,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const uint32_t bent = movemask(hn::Or(into, hn::Gt(dot(bundle.normal, d), zero)));
     const Lanes3 way = bent_back(bundle, normalize(straight), bent & bundle.bits);
     const Lanes3 weight = bundle.throughput * broadcast(material.reflectivity);
-    const Lanes most = larger(weight.x, larger(weight.y, weight.z));
+    const Lanes most = maximum(weight.x, maximum(weight.y, weight.z));
     const uint32_t faint = movemask(hn::Lt(most, broadcast(kFaintest))) & bundle.bits;
     state_.counters.branches_skipped += static_cast<uint64_t>(std::popcount(faint));
     uint32_t onward = bundle.bits & ~faint, beyond = 0;  // what sees the background at most

@@ -7,7 +7,7 @@ struct Frame {
   Num3 x, y, z;
 
   TESSERA_INLINE explicit Frame(const Num3& unit_z) : z(unit_z) {
-    const Num one = num(1), sign = with_sign(one, z.z);
+    const Num one = num(1), sign = copy_sign(one, z.z);
     const Num a = num(-1) / (sign + z.z);
     const Num b = z.x * z.y * a;
     x = {one + sign * z.x * z.x * a, sign * b, negated(sign) * z.x};

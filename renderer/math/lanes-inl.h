@@ -54,13 +54,13 @@ HWY_INLINE Num num(double value) { return hn::Set(kLaneTag, value); }
 HWY_INLINE NumColor num_color(double grey) { return {num(grey), num(grey), num(grey)}; }
 HWY_INLINE Num negated(Num x) { return hn::Neg(x); }
 HWY_INLINE Num absolute(Num x) { return hn::Abs(x); }
-HWY_INLINE Num whole(Num x) { return hn::Floor(x); }
-HWY_INLINE Num root(Num x) { return hn::Sqrt(x); }
-HWY_INLINE Num with_sign(Num size, Num sign) { return hn::CopySign(size, sign); }
-HWY_INLINE Num larger(Num a, Num b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
+HWY_INLINE Num floor_of(Num x) { return hn::Floor(x); }
+HWY_INLINE Num square_root(Num x) { return hn::Sqrt(x); }
+HWY_INLINE Num copy_sign(Num size, Num sign) { return hn::CopySign(size, sign); }
+HWY_INLINE Num maximum(Num a, Num b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
 HWY_INLINE NumMask both(NumMask a, NumMask b) { return hn::And(a, b); }
 HWY_INLINE NumMask either(NumMask a, NumMask b) { return hn::Or(a, b); }
-HWY_INLINE NumMask but_not(NumMask a, NumMask b) { return hn::AndNot(b, a); }
+HWY_INLINE NumMask and_not(NumMask a, NumMask b) { return hn::AndNot(b, a); }
 HWY_INLINE Num select(NumMask mask, Num yes, Num no) { return hn::IfThenElse(mask, yes, no); }
 
 HWY_INLINE Lanes broadcast(double value) { return num(value); }
@@ -105,7 +105,7 @@ HWY_INLINE void store(const Lanes3& a, size_t at, double (&parts)[3][kPadded]) {
   hn::Store(a.y, kLaneTag, parts[1] + at);
   hn::Store(a.z, kLaneTag, parts[2] + at);
 }
-HWY_INLINE Num max_component(const Lanes3& a) { return larger(a.x, larger(a.y, a.z)); }
+HWY_INLINE Num max_component(const Lanes3& a) { return maximum(a.x, maximum(a.y, a.z)); }
 HWY_INLINE LaneMask is_black(const Lanes3& c) {
   const Lanes zero = hn::Zero(kLaneTag);
   return hn::And(hn::And(hn::Eq(c.x, zero), hn::Eq(c.y, zero)), hn::Eq(c.z, zero));
@@ -157,7 +157,7 @@ HWY_INLINE Lanes3 normalize(const Lanes3& v) {
     normalize_each(each);
     return each.load();
   }
-  return v / root(squared);
+  return v / square_root(squared);
 }
 HWY_INLINE Lanes3 reflect(const Lanes3& v, const Lanes3& n) { return v - n * (num(2) * dot(v, n)); }
 
@@ -198,7 +198,7 @@ inline HWY_NOINLINE Lanes atan2_each(Lanes y, Lanes x, uint32_t which, Lanes ang
 
 /// portable::atan2() to the last bit: its quick way, and where that is not sure the function
 /// itself.
-HWY_INLINE Lanes arc(Lanes of_y, Lanes x) {
+HWY_INLINE Lanes arc_tangent(Lanes of_y, Lanes x) {
   using Arc = portable::QuickArc;
   const auto term = [](Lanes z, double a, double b)
                         HWY_ATTR { return z * broadcast(a) + broadcast(b); };

@@ -30,5 +30,5 @@ TESSERA_INLINE Num2 disc_point(const Num2& u) {
 /// Over the hemisphere about +z by the cosine; its density is z / pi (Malley's method).
 TESSERA_INLINE Num3 cosine_hemisphere_point(const Num2& u) {
   const Num2 d = disc_point(u);
-  return {d.x, d.y, root(larger(num(0), num(1) - d.x * d.x - d.y * d.y))};
+  return {d.x, d.y, square_root(maximum(num(0), num(1) - d.x * d.x - d.y * d.y))};
 }

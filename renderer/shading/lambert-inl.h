@@ -40,7 +40,7 @@ class Lambert {
 
  private:
   static TESSERA_INLINE Num density_of(Num cosine) {
-    return larger(cosine, num(0)) * num(1 / portable::kPi);
+    return maximum(cosine, num(0)) * num(1 / portable::kPi);
   }
   /// Of what is mirrored at the surface into `wi`.
   TESSERA_INLINE Num density_mirrored_to(const Num3& wi) const {

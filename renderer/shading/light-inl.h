@@ -10,7 +10,7 @@ struct LightSample {
 
 /// Sets where the place of a light lies that is `to_light` away; false if it is none.
 TESSERA_INLINE NumMask sample_place(const Num3& to_light, LightSample& sample) {
-  sample.distance = root(dot(to_light, to_light));
+  sample.distance = square_root(dot(to_light, to_light));
   sample.wi = to_light / sample.distance;
   return sample.distance > num(0);
 }
@@ -22,7 +22,7 @@ TESSERA_INLINE NumMask attenuate(const Light& light, Num path_length, LightSampl
   const Num d = a.whole_path ? (sample.distance + path_length) * scale : reach;
   Num denominator = num(a.constant) + d * (num(a.linear) + d * num(a.quadratic));
   if (a.is_none()) denominator = select(denominator > num(0), denominator, num(1));
-  if (a.at_most_one) denominator = larger(denominator, num(1));
+  if (a.at_most_one) denominator = maximum(denominator, num(1));
   sample.factor = select(denominator > num(0), num(a.scale) / denominator, num(0));
-  return but_not(sample.factor > num(0), reach > num(light.radius));
+  return and_not(sample.factor > num(0), reach > num(light.radius));
 }

@@ -22,10 +22,10 @@ struct SphereLine {
     // Tracing Gems 7). The distance of the line from the centre is taken before it is squared.
     const Num b = negated(toward);
     const Num3 nearest = from + along * (b / speed);
-    const Num from_axis = root(dot(nearest, nearest)), distance = root(squared);
+    const Num from_axis = square_root(dot(nearest, nearest)), distance = square_root(squared);
     const Num discriminant = (radius + from_axis) * (radius - from_axis);
     const Num c = (distance + radius) * (distance - radius);
-    const Num q = b + with_sign(root(speed * discriminant), b);
+    const Num q = b + copy_sign(square_root(speed * discriminant), b);
     const NumMask touches = q == num(0);
     const Num one = select(touches, num(0), c / q), other = select(touches, num(0), q / speed);
     const NumMask is_swapped = one > other;

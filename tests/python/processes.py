@@ -1,4 +1,4 @@
-"""The processes that another one has started, any of which may end while one looks."""
+"""The processes that another one has started. Each may end while one looks."""
 import glob
 import os
 import pathlib

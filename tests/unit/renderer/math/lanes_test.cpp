@@ -32,7 +32,7 @@ void each(const std::vector<double>& a, const std::vector<double>& b, std::vecto
 }
 void atan2_of_all(const std::vector<double>& y, const std::vector<double>& x,
                   std::vector<double>& out) {
-  each(y, x, out, [](Lanes a, Lanes b) HWY_ATTR { return arc(a, b); });
+  each(y, x, out, [](Lanes a, Lanes b) HWY_ATTR { return arc_tangent(a, b); });
 }
 void next_of_all(const std::vector<double>& x, const std::vector<double>& way,
                  std::vector<double>& out) {
