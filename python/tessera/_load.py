@@ -1,6 +1,8 @@
 """Scenes from files and from dicts."""
 from __future__ import annotations
 
+import io
+import itertools
 import json
 import math
 import os
@@ -69,8 +71,7 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
     arrays: Dict[str, Any] = {}
     with nesting_ends(description, "description"):
         try:
-            # To encode a part Python calls what makes it, and so looks for Ctrl-C and other threads.
-            text = json.dumps(_without_arrays(description, arrays, ""), default=_Part.take)
+            text = _encoded(_without_arrays(description, arrays, ""))
         except ValueError as error:
             if isinstance(error, Error):
                 raise
@@ -91,6 +92,16 @@ class _Part:
     def take(self) -> Optional[Dict[str, Any]]:
         held, self._held = self._held, None
         return held
+
+
+def _encoded(part: Any) -> str:
+    """Its JSON. Python keeps the interpreter's lock while it joins texts, so they are joined a few at a time."""
+    # To encode a part Python calls what makes it, and so looks for Ctrl-C and other threads.
+    texts = iter(json.JSONEncoder(default=_Part.take).iterencode(part, _one_shot=True))
+    joined = io.StringIO()
+    for few in iter(lambda: "".join(itertools.islice(texts, 10_000)), ""):
+        joined.write(few)
+    return joined.getvalue()
 
 
 def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:

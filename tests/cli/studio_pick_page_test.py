@@ -114,7 +114,7 @@ class Pick(StudioPageTest):
         at = self.on_picture(page, .38, .5)
         page.click_at(*at)
         page.click_at(*at, count=2)
-        self.until_selected(page, "scene.tessera", 4)
+        self.until(page, lambda state: state["view"]["pivot"], "what is orbited about is known")
         before = page.state["camera"]
         page.drag(at, (at[0] + 60, at[1]))
         after = self.until(page, lambda state: state["camera"]["eye"] != before["eye"], "it turned")["camera"]

@@ -4,7 +4,7 @@ import * as documents from "./documents.js";
 import { layout, preset } from "./layout/layout_state.js";
 import * as program from "./program.js";
 import * as state from "./state.js";
-import { currentCamera } from "./view/wish.js";
+import { currentCamera, pivot } from "./view/wish.js";
 
 function report() {
   const shown = documents.active();
@@ -51,6 +51,7 @@ function report() {
       exposure: state.tone.peek()?.exposure ?? 0,
       toneMap: state.tone.peek()?.["tone-map"] ?? null,
       zoom: state.main.zoom.peek().factor,
+      pivot: pivot.peek() ?? null,
     },
     picture: {
       serial: painted?.serial ?? 0,
