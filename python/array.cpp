@@ -30,6 +30,15 @@ ElementType element_type(const std::string& code) {
   throw py::type_error("Array: elements of format '" + code + "'");
 }
 
+/// Ends large arrays without the GIL: to give a gigabyte back to the system takes 0.1 s.
+struct EndUnlocked {
+  void operator()(Array* array) const {
+    constexpr size_t kFew = size_t{1} << 20;
+    std::unique_ptr<Array> ending(array);
+    if (ending->bytes().size() > kFew) free_unlocked(std::move(ending));
+  }
+};
+
 py::buffer_info buffer_of(const Array& array) {
   const ElementType type = array.type();
   Array::Shape strides(array.shape().size());
@@ -215,8 +224,9 @@ py::tuple reduce(const py::object& self, int protocol) {
 }  // namespace
 
 void bind_arrays(py::module_& module) {
-  bind_class<Array>(module, "Array", py::buffer_protocol(),
-                    "A read-only array: `numpy.asarray` and `memoryview` share its memory.")
+  bind_class<Array, std::unique_ptr<Array, EndUnlocked>>(
+      module, "Array", py::buffer_protocol(),
+      "A read-only array: `numpy.asarray` and `memoryview` share its memory.")
       .def_buffer(buffer_of)
       .def_property_readonly("shape", shape_of, "The length of each axis.")
       .def_property_readonly(

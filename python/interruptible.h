@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 #include <type_traits>
+#include <utility>
 
 #include "base/cancellation.h"
 #include "base/signal_stack.h"
@@ -61,9 +62,8 @@ class InterruptibleWork {
 /// `cancelled` is set; for_each_parallel() in it does by itself. Returns or throws what `work`
 /// does.
 template <typename Work>
-auto run_interruptibly(const Work& work) {
-  InterruptibleWork running(
-      [&work](const std::atomic<bool>& cancelled) { return work(cancelled); });
+auto run_interruptibly(Work work) {
+  InterruptibleWork running(std::move(work));
   std::jthread thread([&] {
     const UnlockedWork unlocked;
     running.run();

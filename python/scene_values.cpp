@@ -93,13 +93,15 @@ std::string digest_of(py::handle scene) {
 }
 
 void save(py::handle scene, const std::string& path) {
-  const auto made = std::make_shared<const SceneWithBlobs>(message_of(scene));
-  const EncodedScene encoded = run_abandonably([made, path](const std::atomic<bool>&) {
+  auto made = std::make_shared<const SceneWithBlobs>(message_of(scene));
+  EncodedScene encoded = run_abandonably([made, path](const std::atomic<bool>&) {
     return encode_scene_file(path, made->scene, made->blobs);
   });
   // Writing is waited for: after Ctrl-C no file is to appear.
   run_interruptibly(
-      [&](const std::atomic<bool>&) { write_scene_file(path, encoded, made->blobs); });
+      [&path, encoded = std::move(encoded), made = std::move(made)](const std::atomic<bool>&) {
+        write_scene_file(path, encoded, made->blobs);
+      });
 }
 
 std::string to_json(py::handle scene) {

@@ -2,13 +2,12 @@
 from __future__ import annotations
 
 import io
-import itertools
 import json
 import math
 import os
 import re
 import warnings
-from typing import Any, Dict, Mapping, NoReturn, Optional, Sequence, Union
+from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _core
 from ._arguments import frame_number, refuse_unknown, with_article
@@ -69,65 +68,60 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
     if not isinstance(description, Mapping):
         raise TypeError(f"description: {description!r:.100}; expected a dict")
     arrays: Dict[str, Any] = {}
+    text = io.StringIO()
     with nesting_ends(description, "description"):
         try:
-            text = _encoded(_without_arrays(description, arrays, ""))
+            _write(description, text.write, arrays)
         except ValueError as error:
             if isinstance(error, Error):
                 raise
             # Python prints no number of more than some thousand digits.
             raise UsageError("description: a whole number of too many digits; expected a smaller one") from error
-    scene: Scene = _core.from_json(text, arrays)
+    scene: Scene = _core.from_json(text.getvalue(), arrays)
     return scene
 
 
-class _Part:
-    """A dict that is encoded when it is taken, once, and then forgotten."""
-
-    __slots__ = ("_held",)
-
-    def __init__(self, held: Dict[str, Any]) -> None:
-        self._held: Optional[Dict[str, Any]] = held
-
-    def take(self) -> Optional[Dict[str, Any]]:
-        held, self._held = self._held, None
-        return held
+_printed = json.JSONEncoder().encode
 
 
-def _encoded(part: Any) -> str:
-    """Its JSON. Python keeps the interpreter's lock while it joins texts, so they are joined a few at a time."""
-    # To encode a part Python calls what makes it, and so looks for Ctrl-C and other threads.
-    texts = iter(json.JSONEncoder(default=_Part.take).iterencode(part, _one_shot=True))
-    joined = io.StringIO()
-    for few in iter(lambda: "".join(itertools.islice(texts, 10_000)), ""):
-        joined.write(few)
-    return joined.getvalue()
-
-
-def _without_arrays(part: Any, arrays: Dict[str, Any], field: str, path: str = "") -> Any:
-    """A copy in which references stand for arrays, which are put into `arrays`."""
+def _write(part: Any, write: Callable[[str], object], arrays: Dict[str, Any], field: str = "", path: str = "") -> None:
+    """Writes the JSON of a part, in which references stand for arrays, which are put into `arrays`. Of `json` it uses
+    only what prints a name or a number: that keeps the interpreter's lock while it joins a hundred thousand of them.
+    """
+    between = ""
     if isinstance(part, Mapping):
-        for key in part:
+        write("{")
+        for key, value in part.items():
             if not isinstance(key, str):
                 raise _wrong(path, f"the key {key!r:.100}", "text")
-        return _Part({key: _without_arrays(value, arrays, key, f"{path}.{key}" if path else key)
-                      for key, value in part.items()})
-    if isinstance(part, (list, tuple)):
-        return [_without_arrays(value, arrays, field, f"{path}[{i}]") for i, value in enumerate(part)]
-    name = re.sub("([A-Z])", r"_\1", field).lower()  # JSON has both "faceMaterials" and "face_materials"
-    if name in _core.array_fields and not isinstance(part, (str, int, float)):
+            write(f"{between}{_printed(key)}:")
+            _write(value, write, arrays, key, f"{path}.{key}" if path else key)
+            between = ","
+        write("}")
+    elif isinstance(part, (list, tuple)):
+        write("[")
+        for i, value in enumerate(part):
+            write(between)
+            _write(value, write, arrays, field, f"{path}[{i}]")
+            between = ","
+        write("]")
+    elif isinstance(part, (str, int, float)):
+        if isinstance(part, float) and not math.isfinite(part):
+            raise _wrong(path, repr(part), "a finite number")
+        write(_printed(part))
+    # JSON has both "faceMaterials" and "face_materials".
+    elif (name := re.sub("([A-Z])", r"_\1", field).lower()) in _core.array_fields:
         array = _core.take_array(part, name)
         digest = _core.blob_digest(array)
         arrays[digest] = array
         size = memoryview(array).nbytes  # type: ignore[arg-type]
-        return {"digest": digest, "size": str(size)}
-    if hasattr(part, "tolist"):  # numbers of numpy
-        return _without_arrays(part.tolist(), arrays, field, path)
-    if isinstance(part, float) and not math.isfinite(part):
-        raise _wrong(path, repr(part), "a finite number")
-    if not (part is None or isinstance(part, (str, int, float))):
+        write(_printed({"digest": digest, "size": str(size)}))
+    elif hasattr(part, "tolist"):  # numbers of numpy
+        _write(part.tolist(), write, arrays, field, path)
+    elif part is None:
+        write("null")
+    else:
         raise _wrong(path, with_article(part), "a number, text, a list or a dict")
-    return part
 
 
 def _wrong(path: str, found: str, expected: str) -> SceneError:

@@ -1,6 +1,6 @@
 """The calls of public_calls.LARGE: other threads run beside each, and Ctrl-C ends it, on inputs that take
-long. Each runs in an interpreter of its own, on two processors. All times are processor times, which
-load hardly changes."""
+long. Each runs in an interpreter of its own, on two processors. All times are processor times, which load hardly
+changes, and are compared with what Python itself takes for a work of known size, which the machine changes alike."""
 import json
 import os
 import subprocess
@@ -9,9 +9,9 @@ import sys
 import pytest
 from public_calls import COMMON, LARGE
 
-#: Seconds for which a call may keep the lock after a thread has asked for it. It asks after it has waited for
-#: Python's switch interval, which is 5 ms otherwise: 20 ms in all.
-MOST_LOCKED = .015
+#: A call may keep the lock, after a thread has asked for it, for as long as Python keeps it to print and join so many
+#: numbers: 15 ms on a machine of 2020. The thread asks after Python's switch interval of 5 ms: 20 ms in all.
+MOST_LOCKED = 130_000
 SCRIPT = """
 os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2])
 sys.setswitchinterval(.001)
@@ -51,6 +51,11 @@ class Ticker(threading.Thread):
         self.ends = True
         self.join()
 
+def locked_by_python():
+    begin = time.thread_time()
+    "".join(map(str, range({most_locked})))
+    return time.thread_time() - begin
+
 def threads():
     return len(os.listdir("/proc/self/task"))
 
@@ -61,7 +66,7 @@ def until_idle():
 signal.signal(signal.SIGINT, signal.default_int_handler)
 {setup}
 until_idle()
-told = {{"whole": [], "locked": [], "heard": []}}
+told = {{"whole": [], "locked": [], "allowed": min(locked_by_python() for _ in range(9)), "heard": []}}
 for _ in range(9):  # a virtual machine may stand still meanwhile; what keeps the lock does so each time
     ticker = Ticker()
     time.sleep(.05)
@@ -72,7 +77,7 @@ for _ in range(9):  # a virtual machine may stand still meanwhile; what keeps th
     del made
     until_idle()
     told["locked"].append(ticker.longest)
-    if len(told["locked"]) > 1 and min(told["locked"]) <= {most_locked}: break
+    if len(told["locked"]) > 1 and min(told["locked"]) <= told["allowed"]: break
 whole = told["least"] = min(told["whole"])
 for part in (4, 8, 16) if {is_heard} else ():
     begin = time.process_time()
@@ -107,6 +112,6 @@ def test_other_threads_run_and_ctrl_c_ends_it(large, tmp_path):
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout.splitlines()[-1])
     print(large.call, told)
-    assert min(told["locked"]) <= MOST_LOCKED, told
+    assert min(told["locked"]) <= told["allowed"], told
     if large.is_heard:
         assert any(is_heard(told["least"], *times) for times in told["heard"]), told
