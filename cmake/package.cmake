@@ -77,12 +77,12 @@ set(CPACK_DEBIAN_TESSERA_DESCRIPTION
 "A coordinator cuts a frame into tiles and ships the scene once; workers
 trace; the picture comes back the same to the last bit for any number of
 workers and any pattern of failures. Reads OBJ, PLY, STL, glTF, X3D and its
-own scenes; writes PNG.")
+own scenes; writes PNG and EXR.")
 set(CPACK_DEBIAN_TESSERA_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/conffiles")
 set(CPACK_DEBIAN_OPENIMAGEIO_PACKAGE_NAME tessera-openimageio)
 set(CPACK_DEBIAN_OPENIMAGEIO_PACKAGE_DEPENDS "tessera (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_OPENIMAGEIO_DESCRIPTION
-"With this module it writes EXR, TIFF and the like, and reads textures of all
+"With this module it writes TIFF and the like, and reads textures of all
 formats of OpenImageIO. Wanted where scenes are submitted and pictures fetched.")
 if(TARGET tessera_python)
   list(APPEND CPACK_COMPONENTS_ALL python)

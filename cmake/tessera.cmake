@@ -37,7 +37,7 @@ endif()
 
 add_library(tessera_flags INTERFACE)
 target_include_directories(tessera_flags INTERFACE "${CMAKE_SOURCE_DIR}")
-# Who builds to use it is spared the warnings, of which GCC 12 at -O3 gives some for nothing.
+# Who builds to use it is spared the warnings: GCC 12 at -O3 gives some for nothing.
 set(warnings)
 if(TESSERA_WERROR)
   set(warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wvla)

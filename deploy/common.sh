@@ -34,7 +34,7 @@ tell_end() {
       "$(grep -cE '(direct|preprocessed)_cache_hit' "$CCACHE_STATSLOG")" "$(grep -c '^cache_miss' "$CCACHE_STATSLOG")"
   fi
   if ((code == 0)); then return; fi
-  # A full disk is the one cause of which the output above may tell in a hundred ways.
+  # The output above may tell of a full disk in a hundred ways.
   free=$(df --output=avail -m . | tail -n 1)
   if ((free < 50)); then
     failure="the disk is full: $free MB are free in $PWD; make room, then run this again"

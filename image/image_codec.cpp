@@ -166,21 +166,23 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
   if (!came || !is_plausible(request, reply)) return std::nullopt;
   tell_sandbox(reply);
   const SampleMeaning meaning{reply.from_integers != 0, reply.is_associated != 0};
+  BlobData payload;
   if (reply.is_shared) {
-    BlobData shared = Blob::map_sealed(std::move(memory), reply.payload_bytes);
-    if (!shared) return std::nullopt;
-    return Answer{reply.layout, std::move(shared), meaning, {}, "", reply.gamma};
-  }
-  std::vector<std::byte> payload(reply.payload_bytes);
-  if (!channel.receive_bytes(payload.data(), payload.size())) return std::nullopt;
-  if (!reply.done) {
-    throw Refusal(ExitCode::render_failed,
-                  std::string(reinterpret_cast<const char*>(payload.data()), payload.size()));
+    payload = Blob::map_sealed(std::move(memory), reply.payload_bytes);
+    if (!payload) return std::nullopt;
+  } else {
+    std::vector<std::byte> bytes(reply.payload_bytes);
+    if (!channel.receive_bytes(bytes.data(), bytes.size())) return std::nullopt;
+    if (!reply.done) {
+      throw Refusal(ExitCode::render_failed,
+                    std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    }
+    payload = make_blob(std::move(bytes));
   }
   std::string names(reply.names_bytes, 0);
   if (!channel.receive_bytes(names.data(), names.size())) return std::nullopt;
   return Answer{reply.layout,
-                make_blob(std::move(payload)),
+                std::move(payload),
                 meaning,
                 split_names(names),
                 std::string(reply.part, strnlen(reply.part, sizeof reply.part)),

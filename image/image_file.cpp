@@ -286,12 +286,11 @@ TextureImage as_texture(ImageCodec::Answer answer) {
 
 bool is_quickly_prepared(const fs::path& path) {
   const char* const name = format_of(path).name;
-  return name && std::string_view(name) == "png";
+  return name && (std::string_view(name) == "png" || std::string_view(name) == "openexr");
 }
 
 void prepare_to_write(const fs::path& path) {
-  const Format& format = format_of(path);
-  if (format.name) ImageCodec::shared().start(std::string_view(format.name) != "png");
+  if (format_of(path).name) ImageCodec::shared().start(!is_quickly_prepared(path));
 }
 
 void check_writable(const fs::path& path) {

@@ -79,7 +79,7 @@ struct ImageRequest {
   uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory
 
   bool decodes() const { return call == decode_all || call == decode; }
-  static constexpr uint32_t kVersion = 15;
+  static constexpr uint32_t kVersion = 16;
 };
 
 /// The program's argument where it shall convert colours, for which it may read files, and decode

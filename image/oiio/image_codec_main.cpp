@@ -174,16 +174,14 @@ class Server {
   }
 
   bool send(ImageAnswer& answer) {
-    if (!answer.shared) {
-      ImageReply plain = reply(answer, answer.payload.size());
-      plain.names_bytes = answer.names.size();
-      return channel_.send(plain, {answer.payload.data(), answer.payload.size()}) &&
-             channel_.send_bytes(answer.names.data(), answer.names.size());
-    }
-    ImageReply shared = reply(answer, answer.layout.bytes());
-    shared.is_shared = 1;
-    const int descriptor = answer.shared->seal();
-    return descriptor >= 0 && channel_.send(shared, descriptor);
+    ImageReply made = reply(answer, answer.shared ? answer.layout.bytes() : answer.payload.size());
+    made.names_bytes = answer.names.size();
+    made.is_shared = answer.shared.has_value();
+    const int descriptor = answer.shared ? answer.shared->seal() : -1;
+    const bool is_sent = answer.shared
+                             ? descriptor >= 0 && channel_.send(made, descriptor)
+                             : channel_.send(made, {answer.payload.data(), answer.payload.size()});
+    return is_sent && channel_.send_bytes(answer.names.data(), answer.names.size());
   }
 
   ImageChannel channel_;

@@ -86,13 +86,6 @@ OIIO::ImageSpec make_spec(const ImageRequest& request) {
                     : request.layout.bits == 16 ? OIIO::TypeDesc::UINT16
                                                 : OIIO::TypeDesc::UINT8;
   OIIO::ImageSpec spec(request.layout.width, request.layout.height, request.layout.channels, type);
-  const std::string names = request.channel_names;
-  if (!names.empty()) {
-    spec.channelnames = OIIO::Strutil::splits(names, ",");
-    if (spec.channelnames.size() != static_cast<size_t>(spec.nchannels)) {
-      fail_image("the channels do not fit their names");
-    }
-  }
   if (!is_float) spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
   for (const auto& [name, text] : image_texts(request.attributes)) {
@@ -144,7 +137,6 @@ struct Picture {
   Alpha alpha = Alpha::coverage;
 
   const OIIO::ImageSpec& spec() const { return input->spec(); }
-  bool is_openexr() const { return format == "openexr"; }
 };
 
 /// What the header of a Windows bitmap says of the fourth byte of a pixel.
@@ -247,7 +239,7 @@ bool is_associated(const Picture& picture) {
   const std::string& format = picture.format;
   if (spec.get_int_attribute("oiio:UnassociatedAlpha") != 0) return false;
   if (format == "targa") return spec.get_int_attribute("targa:alpha_type") == kPremultiplied;
-  return format == "openexr" || format == "tiff" || format == "webp" || format == "heif";
+  return format == "tiff" || format == "webp" || format == "heif";
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -271,12 +263,6 @@ SampleMeaning meaning_of(const Picture& picture, const ColorChannels& used) {
 /// Channels of a file, nothing for one that it lacks.
 using Order = std::vector<std::optional<uint32_t>>;
 
-/// Which pixels of OpenEXR are a picture's.
-enum class Extent {
-  display,  ///< the display window; those that the file lacks are black and clear
-  crop,     ///< those that the file has in it
-};
-
 /// The type of the fewest bits that holds all of the channels.
 OIIO::TypeDesc type_of(const OIIO::ImageSpec& spec, const Order& channels) {
   const auto all_are = [&](OIIO::TypeDesc type) {
@@ -289,120 +275,34 @@ OIIO::TypeDesc type_of(const OIIO::ImageSpec& spec, const Order& channels) {
   return all_are(OIIO::TypeDesc::HALF) ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
 }
 
-/// Where the pixels of a picture lie in those of its file.
-struct Window {
-  int x = 0, y = 0;  ///< of the first pixel that the file has
-  int width = 0, height = 0;
-};
-
-/// The window of that extent; all of the file's pixels where none of them is in its display window.
-Window window_of(const Picture& picture, Extent extent, int channels, int bits) {
-  const OIIO::ImageSpec& spec = picture.spec();
-  const Window data{0, 0, spec.width, spec.height};
-  if (!picture.is_openexr()) return data;
-  const Window shown{spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
-  const bool overlap = shown.x < shown.width && shown.y < shown.height && shown.x > -spec.width &&
-                       shown.y > -spec.height;
-  if (!overlap) return data;
-  if (extent == Extent::crop) {
-    const int x = std::min(shown.x, 0), y = std::min(shown.y, 0);
-    return {x, y, std::min(spec.width + x, shown.width - shown.x + x),
-            std::min(spec.height + y, shown.height - shown.y + y)};
-  }
-  const PixelLayout layout{shown.width, shown.height, channels, bits};
-  return layout.is_legal() ? shown : data;
-}
-
-bool is_in_place(const Order& order, uint32_t first) {
-  for (size_t i = 0; i < order.size(); ++i) {
-    if (order[i] != first + i) return false;
-  }
-  return true;
-}
-
-bool is_same(const PixelLayout& a, const PixelLayout& b) {
-  return a.width == b.width && a.height == b.height && a.channels == b.channels;
-}
-
-/// The channels of the file from `first` on, as many as `read` has, put in order and into place.
-void place_pixels(const ImageAnswer& read, uint32_t first, const Order& order, const Window& window,
-                  ImageAnswer& answer) {
-  const auto size = static_cast<size_t>(answer.layout.bits / 8);
-  const auto from_pixel = static_cast<size_t>(read.layout.channels) * size;
-  const auto to_pixel = static_cast<size_t>(answer.layout.channels) * size;
-  const int x0 = std::max(0, -window.x), y0 = std::max(0, -window.y);
-  const int x1 = std::min(read.layout.width, window.width - window.x);
-  const int y1 = std::min(read.layout.height, window.height - window.y);
-  for (int y = y0; y < y1; ++y) {
-    const char* from =
-        read.payload.data() + (static_cast<size_t>(y) * static_cast<size_t>(read.layout.width) +
-                               static_cast<size_t>(x0)) *
-                                  from_pixel;
-    char* to = answer.payload.data() +
-               (static_cast<size_t>(y + window.y) * static_cast<size_t>(answer.layout.width) +
-                static_cast<size_t>(x0 + window.x)) *
-                   to_pixel;
-    for (int x = x0; x < x1; ++x, from += from_pixel, to += to_pixel) {
-      for (size_t i = 0; i < order.size(); ++i) {
-        if (order[i]) std::memcpy(to + i * size, from + (*order[i] - first) * size, size);
-      }
-    }
-  }
-}
-
 /// Those channels of the picture, all of that type.
-ImageAnswer read_channels(const Picture& picture, Extent extent, const Order& order,
-                          OIIO::TypeDesc type) {
+ImageAnswer read_channels(const Picture& picture, const Order& order, OIIO::TypeDesc type) {
   const OIIO::ImageSpec& spec = picture.spec();
-  const int bits = static_cast<int>(type.basesize()) * 8;
+  const size_t size = type.basesize();
+  const int bits = static_cast<int>(size) * 8;
   uint32_t first = UINT32_MAX, last = 0;
   for (const auto& channel : order) {
     if (!channel) continue;
     first = std::min(first, *channel);
     last = std::max(last, *channel);
   }
-  const int channels = static_cast<int>(order.size());
-  const Window window = window_of(picture, extent, channels, bits);
-  ImageAnswer answer{{window.width, window.height, channels, bits}, {}};
   ImageAnswer read{{spec.width, spec.height, static_cast<int>(last - first) + 1, bits}, {}};
   read_pixels(*picture.input, type, static_cast<int>(first), read);
-  if (is_in_place(order, first) && is_same(read.layout, answer.layout)) {
-    answer.payload = std::move(read.payload);
-  } else {
-    make_pixels(answer, PixelLayout::kMostChannels);
-    place_pixels(read, first, order, window, answer);
+  const auto is_in_place = [&](uint32_t i) { return order[i] == first + i; };
+  uint32_t in_place = 0;
+  while (in_place < order.size() && is_in_place(in_place)) ++in_place;
+  if (in_place == order.size()) return read;
+  ImageAnswer answer{{spec.width, spec.height, static_cast<int>(order.size()), bits}, {}};
+  make_pixels(answer, PixelLayout::kMostChannels);
+  const size_t from_pixel = static_cast<size_t>(read.layout.channels) * size;
+  const char* from = read.payload.data();
+  for (char* to = answer.payload.data(); from != read.payload.data() + read.payload.size();
+       from += from_pixel, to += order.size() * size) {
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (order[i]) std::memcpy(to + i * size, from + (*order[i] - first) * size, size);
+    }
   }
   return answer;
-}
-
-constexpr int kMostParts = 64;  ///< of OpenEXR that are looked at
-
-std::string name_of_part(const OIIO::ImageInput& input) {
-  return input.spec().get_string_attribute("oiio:subimagename",
-                                           std::to_string(input.current_subimage()));
-}
-
-/// The names of the selected part's channels, each as PART.CHANNEL.
-std::vector<std::string> names_in_part(const Picture& picture) {
-  std::vector<std::string> names = channel_names(picture);
-  for (std::string& name : names) name = name_of_part(*picture.input) + "." + name;
-  return names;
-}
-
-/// Selects the part of OpenEXR whose name and channels fit a picture best, as where a depth map or
-/// a pass of light comes first, and returns its name; nothing where that is the first part.
-std::string select_part(const Picture& picture) {
-  OIIO::ImageInput& input = *picture.input;
-  if (!picture.is_openexr()) return "";
-  int best = 0, best_rank = color_rank(names_in_part(picture));
-  for (int part = 1; part < kMostParts && input.seek_subimage(part, 0); ++part) {
-    const int rank = color_rank(names_in_part(picture));
-    if (rank >= best_rank) continue;
-    best = part;
-    best_rank = rank;
-  }
-  input.seek_subimage(best, 0);
-  return best == 0 ? "" : name_of_part(input);
 }
 
 /// Whether alpha, the last channel of what was read, is nothing: no header says what it is, and it
@@ -420,45 +320,20 @@ bool has_empty_alpha(const Picture& picture, const ImageAnswer& read) {
 
 ImageAnswer decode_all(const std::string& format, int file) {
   const Picture picture = open(format, file);
-  std::string part = select_part(picture);
   std::vector<std::string> names = channel_names(picture);
   Order order;
   for (uint32_t i = 0; i < names.size(); ++i) order.emplace_back(i);
-  ImageAnswer answer = read_channels(picture, Extent::crop, order, type_of(picture.spec(), order));
+  ImageAnswer answer = read_channels(picture, order, type_of(picture.spec(), order));
   if (names.back() == "A" && has_empty_alpha(picture, answer)) names.back() = kUnused;
   answer.names = joined(names);
   answer.meaning = meaning_of(picture, color_channels_of(names));
-  answer.part = std::move(part);
   return answer;
-}
-
-/// The channels of the other parts of OpenEXR, each as PART.CHANNEL. Leaves this one selected.
-std::vector<std::string> channels_of_other_parts(const Picture& picture) {
-  OIIO::ImageInput& input = *picture.input;
-  std::vector<std::string> names;
-  if (!picture.is_openexr()) return names;
-  const int selected = input.current_subimage();
-  for (int part = 0; part < kMostParts && input.seek_subimage(part, 0); ++part) {
-    if (part == selected) continue;
-    for (std::string& name : names_in_part(picture)) names.push_back(std::move(name));
-  }
-  input.seek_subimage(selected, 0);
-  return names;
 }
 
 /// The picture of those of its channels.
 ImageAnswer read_used(const Picture& picture, const ColorChannels& used) {
   const Order order = used.in_order();
-  const bool has_chroma = used.kind == ColorChannels::Kind::luminance_chroma;
-  ImageAnswer answer =
-      read_channels(picture, Extent::display, order,
-                    has_chroma ? OIIO::TypeDesc::FLOAT : type_of(picture.spec(), order));
-  if (has_chroma) {
-    luminance_chroma_to_rgb(
-        {reinterpret_cast<float*>(answer.payload.data()), answer.payload.size() / sizeof(float)},
-        used.count());
-  }
-  return answer;
+  return read_channels(picture, order, type_of(picture.spec(), order));
 }
 
 /// The colour and coverage of the picture, and in `names` its other channels.
@@ -479,17 +354,13 @@ ImageAnswer read_colors(const Picture& picture) {
     }
   }
   answer.meaning = meaning_of(picture, used);
-  const std::vector<std::string> of_parts = channels_of_other_parts(picture);
-  others.insert(others.end(), of_parts.begin(), of_parts.end());
   answer.names = joined(others);
   return answer;
 }
 
 ImageAnswer decode(const std::string& format, int file, bool to_srgb) {
   const Picture picture = open(format, file);
-  std::string part = select_part(picture);
   ImageAnswer answer = read_colors(picture);
-  answer.part = std::move(part);
   const int channels = answer.layout.channels;
   const bool has_colors = answer.layout.bits == 8 && channels >= 3;
   const OIIO::ParamValue* const profile =

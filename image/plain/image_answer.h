@@ -28,10 +28,10 @@ struct ImageAnswer {
   std::span<char> make_room() {
     constexpr uint64_t kLeastShared = uint64_t{16} << 20;
     if (layout.bytes() >= kLeastShared) shared = SealedMemory::create(layout.bytes());
-    if (shared) return shared->bytes();
-    payload.resize(layout.bytes());
-    return payload;
+    if (!shared) payload.resize(layout.bytes());
+    return pixels();
   }
+  std::span<char> pixels() { return shared ? shared->bytes() : std::span<char>(payload); }
 };
 
 /// The cause becomes the answer.

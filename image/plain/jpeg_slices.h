@@ -37,7 +37,7 @@ class JpegSlices {
   std::vector<size_t> begins_;  ///< of the slices' data in the file, and the end of the last
 };
 
-/// Decodes all slices into `pixels` on several threads, each of which calls `finish` for what it
+/// Decodes all slices into `pixels` on several threads; each calls `finish` for what it
 /// has decoded; false where one does not decode.
 bool decode_slices(const JpegSlices& slices, size_t channels, std::span<char> pixels,
                    const std::function<void(std::span<char>)>& finish);

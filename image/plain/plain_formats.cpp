@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "image/plain/exr_format.h"
 #include "image/plain/jpeg_format.h"
 #include "image/plain/png_format.h"
 #include "image/plain/pnm_format.h"
@@ -11,8 +12,10 @@ namespace {
 
 std::optional<ImageAnswer> decode(const ImageRequest& request, std::span<const char> file) {
   const std::string_view format = request.format;
-  if (format == "pnm") return decode_pnm(file, request.call == ImageRequest::decode_all);
-  if (request.call == ImageRequest::decode_all) return std::nullopt;
+  const bool all = request.call == ImageRequest::decode_all;
+  if (format == "openexr") return decode_exr(file, all);
+  if (format == "pnm") return decode_pnm(file, all);
+  if (all) return std::nullopt;
   if (format == "jpeg") return decode_jpeg(file, request.to_srgb != 0);
   if (format == "png") return decode_png(file, request.to_srgb != 0);
   return std::nullopt;
@@ -41,7 +44,8 @@ std::optional<ImageAnswer> answer_plainly(const ImageRequest& request,
                                           std::span<const char> bytes) {
   switch (request.call) {
     case ImageRequest::encode:
-      return encode_png(request, bytes);
+      if (auto png = encode_png(request, bytes)) return png;
+      return encode_exr(request, bytes);
     case ImageRequest::decode:
     case ImageRequest::decode_all:
       return decode(request, bytes);

@@ -66,22 +66,25 @@ def tiff(pixel, kind, *extra, photometric=None, palette=None, size=2):
             + struct.pack("<H", len(entries)) + table + bytes(4) + values)
 
 
-def exr(channels, kind="half", data=(0, 0, 1, 1), display=None):
+def exr(channels, kind="half", data=(0, 0, 1, 1), display=None, every=None):
     """`channels`: the value of each by its name, or a function of x and y. The windows are x0, y0, x1,
-    y1, the last pixel inside."""
-    return exr_parts({None: channels}, kind, data, display)
+    y1, the last pixel inside. `every`: by name, each how many pixels and rows a channel has a sample."""
+    return exr_parts({None: channels}, kind, data, display, every)
 
 
-def exr_parts(parts, kind="half", data=(0, 0, 1, 1), display=None):
+def exr_parts(parts, kind="half", data=(0, 0, 1, 1), display=None, every=None):
     """`parts`: by name, the channels of each, as exr() takes them; one that is called None is all."""
+    def step(name):
+        return (every or {}).get(name, 1)
+
     def attribute(name, type_, body):
         return name.encode() + b"\0" + type_.encode() + b"\0" + struct.pack("<I", len(body)) + body
     number, letter = (1, "e") if kind == "half" else (2, "f")
-    width, height = data[2] - data[0] + 1, data[3] - data[1] + 1
+    height = data[3] - data[1] + 1
     is_single = None in parts
 
     def header(part, channels):
-        listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", number, 0, 1, 1)
+        listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", number, 0, step(name), step(name))
                           for name in sorted(channels)) + b"\0"  # in the order that the format wants
         of_part = b"" if is_single else (attribute("name", "string", part.encode())
                                          + attribute("type", "string", b"scanlineimage")
@@ -99,9 +102,8 @@ def exr_parts(parts, kind="half", data=(0, 0, 1, 1), display=None):
         def value(name, x):
             given = channels[name]
             return given(x, y) if callable(given) else given
-        body = b"".join(struct.pack(f"<{width}{letter}", *[value(name, x) for x in
-                                                         range(data[0], data[2] + 1)])
-                        for name in sorted(channels))
+        body = b"".join(struct.pack(f"<{letter}", value(name, x)) for name in sorted(channels) if y % step(name) == 0
+                        for x in range(data[0], data[2] + 1) if x % step(name) == 0)
         of_part = b"" if is_single else struct.pack("<i", index)
         return of_part + struct.pack("<ii", y, len(body)) + body
     head = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2 if is_single else 2 | 0x1000)

@@ -165,6 +165,12 @@ def float_rows():
         yield Row(f"chroma{kind}.exr",
                   of(("Y", "RY", "BY"), (luminance, 0.75 / luminance - 1, 0.25 / luminance - 1)), color,
                   near=1e-3)
+        chroma = {"Y": luminance, "RY": 0.75 / luminance - 1, "BY": 0.25 / luminance - 1}
+        for name, alpha in (("few_chroma", 1), ("few_chroma_a", 0.5)):
+            held = {channel: v * (alpha if channel == "Y" else 1) for channel, v in chroma.items()}
+            held.update({"A": alpha} if alpha < 1 else {})
+            yield Row(f"{name}{kind}.exr", exr(held, kind, (0, 0, 7, 5), every={"RY": 2, "BY": 2}), color, alpha,
+                      near=2e-3)
         inside = {name: (lambda x, y, v=v: v if 0 <= x < 2 and 0 <= y < 2 else 9)
                   for name, v in zip("RGB", color)}
         yield Row(f"overscan{kind}.exr", exr(inside, kind, (-2, -3, 4, 5), (0, 0, 1, 1)), color)
