@@ -187,7 +187,7 @@ bool has_word(std::string_view text, std::string_view beginning) {
   return false;
 }
 
-/// One name for the other's beginning or word, or one of which letters were left out.
+/// Whether one name is the beginning or a word of the other, or is the other with letters left out.
 bool is_short_for(std::string_view name, std::string_view candidate) {
   constexpr size_t kShortest = 3;
   if (std::min(name.size(), candidate.size()) < kShortest) return false;

@@ -18,7 +18,7 @@ namespace {
 
 /// A curve ends where its error comes within this factor of the reference's own.
 constexpr double kReferenceMargin = 5;
-/// Seeds of a row of which all metrics are worked out; the others give their MSE and bias.
+/// Seeds of a row whose metrics are all worked out; the others give their MSE and bias.
 constexpr size_t kDetailedSeeds = 4;
 /// Shares of a scene's budget: of its reference, and of what is left for any one row.
 constexpr double kReferenceShare = .35, kRowShare = .5;
@@ -241,7 +241,7 @@ class SceneBench {
     sum.max_error = std::max(sum.max_error, one.max_error);
   }
 
-  /// The row of method `i`, of which so many samples a pixel were asked.
+  /// The row of method `i`, which was asked for so many samples a pixel.
   void finish(size_t i, int asked, const BiasEstimator::Result& bias, ErrorRow row) {
     Contestant& contestant = contestants_[i];
     row.bias = bias.bias;

@@ -50,7 +50,7 @@ class Coordinator {
   std::optional<JobResult> take_result(uint64_t job);
   /// Of the first job that runs.
   JobProgress progress(Time now) const;
-  // Of one job from submit(), of which several may run at once: until it has ended, and once it has
+  // Of one job from submit(), which may run beside others: until it has ended, and once it has
   // begun, which it has on return from submit() where fewer than eight others run. Else nothing.
   std::optional<JobProgress> progress(uint64_t job, Time now) const;
   std::vector<TileSnapshot> tiles(uint64_t job, Time now) const;

@@ -25,7 +25,7 @@ v1::EnrolAnswer enrolled_as(const AllowedKey& key) {
   return answer;
 }
 
-/// The first key of the list of which `is_such` is true, or null.
+/// The first key of the list for which `is_such` is true, or null.
 template <typename Condition>
 const AllowedKey* find_if(const AllowList& list, const Condition& is_such) {
   const auto it = std::find_if(list.keys().begin(), list.keys().end(),

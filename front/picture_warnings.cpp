@@ -44,13 +44,13 @@ bool any_message(const pb::Message& message,
 
 bool is_black(const v1::Color& color) { return color.r() == 0 && color.g() == 0 && color.b() == 0; }
 
-bool shines(const v1::Light& light) {
+bool emits(const v1::Light& light) {
   const bool dark = (light.has_intensity() && light.intensity() == 0) ||
                     (light.has_color() && is_black(light.color()));
   return !light.off() && (!dark || light.ambient_intensity() != 0);
 }
 
-bool shines(const v1::Background& background) {
+bool emits(const v1::Background& background) {
   if (background.has_cube()) return true;
   switch (background.kind_case()) {
     case v1::Background::KIND_NOT_SET:
@@ -66,7 +66,7 @@ bool shines(const v1::Background& background) {
 
 /// A light, a material that glows by itself, or a fog of its own colour.
 bool may_shine(const pb::Message& message) {
-  if (const auto* light = dynamic_cast<const v1::Light*>(&message)) return shines(*light);
+  if (const auto* light = dynamic_cast<const v1::Light*>(&message)) return emits(*light);
   if (const auto* material = dynamic_cast<const v1::Material*>(&message)) {
     return material->has_unlit() || material->classic().has_emission() ||
            material->physical().has_emission();
@@ -158,7 +158,7 @@ bool is_all_black(const RenderOptions& options, const v1::Scene& scene) {
   const v1::IntegratorSettings& integrator = scene.settings().integrator();
   const std::string kind = kind_of(options, scene);
   if (!shows_light(kind)) return false;
-  return is_black(integrator.ambient()) && !shines(scene.background()) &&
+  return is_black(integrator.ambient()) && !emits(scene.background()) &&
          !any_message(scene, may_shine);
 }
 
@@ -248,9 +248,9 @@ std::vector<std::string> file_warnings(const RenderOptions& options, const Loade
   if (kind != "depth" && kind != "cost" && kind != "samples" && kind != "error") return warnings;
   for (const auto& path : picture_paths(options)) {
     if (holds_floats(path)) continue;
-    warnings.push_back(fmt::format(
-        "'{}' shows numbers, of which '{}' holds those from 0 to 1 alone; expected .exr", kind,
-        path.string()));
+    warnings.push_back(
+        fmt::format("'{}' shows numbers, and '{}' holds only those from 0 to 1; expected .exr",
+                    kind, path.string()));
   }
   return warnings;
 }

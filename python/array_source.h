@@ -99,7 +99,7 @@ void walk(const ArraySource& source, pybind11::ssize_t first, pybind11::ssize_t 
     }
     return;
   }
-  // The index along each axis, of which the last runs fastest.
+  // The index along each axis; the last runs fastest.
   Array::Shape index(source.shape.size());
   for (size_t axis = index.size(); axis-- > 0; first /= source.shape[axis]) {
     index[axis] = first % source.shape[axis];

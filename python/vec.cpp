@@ -176,7 +176,7 @@ void bind_vec(py::module_& module) {
            }),
            py::arg("x"), py::arg("y"), py::arg("z"))
       .def(py::init([](const py::object& given) { return take(given); }), py::arg("components"))
-      // What is neither, of which pybind11 would tell C++ types.
+      // What is neither: pybind11's error would name C++ types.
       .def(py::init([](const py::args& given, const py::kwargs& named) {
         if (named.empty()) return take(given);
         const auto name = py::cast<std::string>(named.begin()->first);

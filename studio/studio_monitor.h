@@ -35,8 +35,8 @@ class EditLatency {
   std::optional<double> quantile(double share) const;
 
  private:
-  std::map<uint64_t, Time> texts_;       ///< by revision, of which no pixels are there
-  std::map<uint32_t, uint64_t> passes_;  ///< revisions by serial, of which no pixels are there
+  std::map<uint64_t, Time> texts_;       ///< by revision, while it has no pixels
+  std::map<uint32_t, uint64_t> passes_;  ///< revisions by serial, while they have no pixels
   std::deque<double> seconds_;
 };
 

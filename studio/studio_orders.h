@@ -19,7 +19,7 @@ namespace tessera {
 
 // What the studio's state machines ask of the threads around them. Plain values.
 
-/// What a page asked, of those requests of which it has one under way at a time.
+/// What a page asked, of the requests that it makes one at a time.
 struct RequestId {
   ClientId client = 0;
   std::string kind;  ///< of the message

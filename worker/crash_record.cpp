@@ -54,7 +54,7 @@ struct CrashRecord::Shared {
   std::atomic<int> thread;     ///< that crashed: its number, or one of those below
   std::atomic<uint32_t> vain;  ///< crashes since a tile was traced
   std::array<Thread, kThreads> threads;
-  uint32_t frames_noted;  ///< of which the last kFramesKept are here
+  uint32_t frames_noted;  ///< the last kFramesKept of them are here
   std::array<CrashedFrame, kFramesKept> frames;
 };
 

@@ -136,12 +136,12 @@ class WorkerSession {
   void on_assign(const v1::Assign& assign);
   void on_cancel_tile(const v1::CancelTile& cancel);
   void cancel_runs(uint64_t job);
-  /// Drops what is built for jobs that are over, except for builds of which a job that is still to
+  /// Drops what is built for jobs that are over, except for builds that a job that is still to
   /// be built needs all meshes and pictures too.
   void drop_builds();
   void forget_job(uint64_t job);
   void forget_jobs();
-  /// Drops jobs of which nothing is traced until the scenes of the rest have room.
+  /// Drops jobs that trace nothing until the scenes of the rest have room.
   bool make_room(const v1::JobStart& start);
   void fetch_more(Job& job, Time now);
   void scene_failed(Job& job, const std::string& text, v1::SceneFailed::Cause cause);

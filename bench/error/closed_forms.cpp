@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-/// Of the floor and of the lamps, as in scenes/generate/accuracy_scenes.cpp.
+/// Of the floor and of the lights, as in scenes/generate/accuracy_scenes.cpp.
 constexpr double kAlbedo = .8, kLamp = 5;
 
 struct Point2 {

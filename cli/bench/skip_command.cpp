@@ -70,7 +70,7 @@ void add_skip_bench(CLI::App& bench, Action& action) {
       "is left out. The exit code is 3 where a picture differs.\n"
       "Example:\n"
       "  tessera bench skip black-lights textures");
-  add_whole(*command, "--repeats", 1, 1000, "Turns, of which medians are taken [9]",
+  add_whole(*command, "--repeats", 1, 1000, "Turns; figures are their medians [9]",
             std::function([options](int64_t n) { options->repeats = static_cast<int>(n); }));
   command->add_flag("--quick", options->quick, "A sixteenth of the pixels, --repeats 3");
   command->add_option("--json", options->json_file, "Write the rows as JSON too")

@@ -35,7 +35,7 @@ struct Conviction {
   bool of_key = false;
 };
 
-/// Which frame this is, of which job.
+/// The frame's number and its job's.
 struct FrameName {
   uint64_t number = 0;  ///< by which workers know it, as a job
   std::string job_id;   ///< of the job, 16 random bytes
@@ -219,7 +219,7 @@ class ActiveFrame {
   std::unordered_set<WorkerId> workers_seen_;
   std::set<WorkerId> lost_builders_;         ///< that did not come back
   std::optional<Time> builder_lost_at_;      ///< the last of them
-  std::set<WorkerKeys::Voice> lost_voices_;  ///< one key's, of which too many were lost
+  std::set<WorkerKeys::Voice> lost_voices_;  ///< one key's, if too many of its workers were lost
   bool built_ = false;
   /// What the first worker said of the background.
   struct UnseenWord {

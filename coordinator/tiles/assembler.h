@@ -44,7 +44,7 @@ class Assembler {
   BandResult add(const v1::TileBand& band, WorkerId from);
   /// Whether all rows of the piece that this lease is of are there, and counters of just these.
   bool has_piece(LeaseId lease) const;
-  /// Completes a tile of which nothing is there: each pixel is `value`, each counter as many times
+  /// Completes a tile that has no pixels yet: each pixel is `value`, each counter as many times
   /// as it has pixels. False where something of it is there.
   bool fill(uint32_t tile, std::span<const float> value, const v1::Counters& of_pixel,
             WorkerId from);
@@ -82,7 +82,7 @@ class Assembler {
   void mark_holes();
 
  private:
-  /// A tile of which some rows are there.
+  /// A tile with some of its rows.
   struct Partial {
     std::vector<WorkerId> row_from;  ///< 0: not there
     int rows_missing = 0;

@@ -69,7 +69,7 @@ class WebApi {
   std::mutex access_mutex_;  ///< of parts_.access
   Parts parts_;
   WebCounts counts_;
-  std::map<std::string, Made> made_;  ///< by what it is, and of which frame
+  std::map<std::string, Made> made_;  ///< by its kind and frame
 };
 
 }  // namespace tessera

@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kEndpoint[] = "inproc://zeromq.zap.01";
 constexpr char kDomain[] = "tessera";
-// Of refused keys, each of which is told once.
+// Of refused keys; each is told once.
 constexpr size_t kMostTold = 1000;
 
 /// Frames of a request, by their order in RFC 27.

@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-/// What both ends of ZeroMQ share; for this room alone.
+/// What both ends of ZeroMQ share; for this module alone.
 
 /// What either end opens before the first connection, and some more.
 inline constexpr int kTransportDescriptors = 32;

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Transform(_messages.Transform):
-    """A chain of steps, the first of which acts last. Transforms compose by `@`, which applies them to
+    """A chain of steps; the first acts last. Transforms compose by `@`, which applies them to
     points as well: a Vec, or arrays of shape (..., 3)."""
 
     __slots__ = ()

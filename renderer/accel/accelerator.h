@@ -58,7 +58,7 @@ class Accelerator {
                             TraversalCounters& counters) const {
     for (size_t i = 0; i < rays.size(); ++i) closest_hit(rays[i], hits[i], counters);
   }
-  /// The same for the rays of a batch, of which none has been hit: a hit each, at an infinite t
+  /// The same for the rays of a batch, none of them hit so far: a hit each, at an infinite t
   /// where there is none. As many hits as rays.
   virtual void closest_hits(const RayBatch& rays, std::span<Hit> hits,
                             TraversalCounters& counters) const {

@@ -54,7 +54,7 @@ class FewInstances final : public Accelerator {
   /// What the ray may hit, a bit each, and lower bounds of t there.
   struct Candidates {
     uint32_t left = 0;
-    uint32_t inside = 0;      ///< rectangles of which the ray is inside
+    uint32_t inside = 0;      ///< rectangles that the ray is inside of
     bool is_unusual = false;  ///< the ray may hit nothing at all
     double entered[2 * BoxSoA::kMost];
   };

@@ -87,14 +87,14 @@ void all_hits_of(const Instance& instance, uint32_t number, const Ray& ray, std:
                  TraversalCounters& counters);
 /// As Shape::crossing_number for the hits of this instance and a ray in world space.
 int crossing_number_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits);
-/// Whether a world-space ray starts inside the instance's shape, of which `hits` are all hits.
+/// Whether a world-space ray starts inside the instance's shape; `hits` are all hits with it.
 /// Only what is_closed() has an inside.
 bool holds_start_of(const Instance& instance, const Ray& ray, std::span<const Hit> hits);
 /// As MeshBoundary::goes_around for an open mesh and where a world-space ray starts. `hits`: all of
 /// the ray with the instance.
 bool goes_around_start_of(const Instance& instance, const MeshBoundary& boundary, const Ray& ray,
                           std::span<const Hit> hits);
-/// Whether the shape has an inside: a solid of which nothing is left out, or a closed mesh. Takes a
+/// Whether the shape has an inside: a solid with no part left out, or a closed mesh. Takes a
 /// sort of a mesh's edges.
 bool is_closed(const Shape& shape);
 /// In world space. Endless for an endless shape.

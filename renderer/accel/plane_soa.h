@@ -14,7 +14,7 @@ struct PlaneSoA {
   /// Fewer take less one by one.
   static constexpr size_t kLeast = 4;
 
-  /// One more, of which rays do not see the sides that `cull` says: at most kMost.
+  /// One more, whose sides that `cull` names are not seen by rays: at most kMost.
   void add(const Plane& plane, Cull cull);
 
   // What fills a vector up has no normal and meets no ray.

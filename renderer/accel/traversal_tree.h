@@ -14,7 +14,7 @@ struct alignas(32) TreeUnit {
 
 /// How far the box test's answers are moved to the safe side.
 struct BoxMargin {
-  /// 32 roundings of single precision, of which the box test in it needs 10 at most.
+  /// 32 roundings of single precision; the box test in it needs 10 at most.
   static constexpr double kUsual = 0x1p-19;
   double space = kUsual;  ///< around boxes, relative to the tree's extent or the ray's origin
   double time = 0;  ///< of hits' t beside a relative part, in extents per length of the direction

@@ -5,7 +5,7 @@
 
 namespace tessera {
 
-/// How often the background is chosen among what shines.
+/// How often the background is chosen among the lights.
 inline double environment_share(const Scene& scene) {
   if (!scene.environment) return 0;
   return scene.area_lights.empty() ? 1 : 0.5;

@@ -30,7 +30,7 @@ bool is_even(const Scene& scene, const Material& material) {
 PathSurfaces::PathSurfaces(const Scene& scene)
     : scene_(scene),
       passes_(scene.fog.kind != FogKind::none || scene.path_occluders.clear ||
-              scene.features.veils ||
+              scene.features.alpha ||
               std::ranges::any_of(scene.materials, [](const Material& material) {
                 return !is_black(material.absorption);
               })) {
@@ -66,7 +66,7 @@ void PathSurfaces::find_sides(uint32_t number, Placed& placed) const {
   const auto back_of = [&](const Material& material) -> const Material& {
     return material.sides == Sides::two_sided ? material : scene_.materials[material.back];
   };
-  placed.is_even = !shading.is_veil;
+  placed.is_even = !shading.has_alpha;
   for (uint32_t i = 0; i < shading.material_count; ++i) {
     const Material& material = scene_.material(number, i);
     for (const Material* const side : {&material, &back_of(material)}) {

@@ -24,7 +24,7 @@ class PathSurfaces {
   /// What is seen of a material without textures and vertex colours.
   struct Side {
     Color diffuse;
-    bool shines = false;
+    bool emits = false;
   };
   struct Placed {
     Form form = Form::other;

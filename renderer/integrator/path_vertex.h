@@ -21,7 +21,8 @@ inline double background_weight(const Scene& scene, double density, const Vec3& 
   return power_heuristic(density,
                          environment_share(scene) * scene.environment->density(direction, place));
 }
-/// Of what shines at `point`, met by a hit of that primitive, from where the path scattered last.
+/// The light emitted at `point`, met by a hit of that primitive, from where the path scattered
+/// last.
 inline double emission_weight(const Scene& scene, const SurfacePoint& point, uint32_t primitive,
                               double density, const LitPoint& from) {
   if (!(density > 0)) return 1;
@@ -94,10 +95,10 @@ struct PathVertex {
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
     if (!(density > 0)) return kBlack;
     const Vec3 wi = normalize(there.point - point.surface.point);
-    Color shine = dot(wi, there.normal) < 0 ? light.front : light.back;
+    Color emitted = dot(wi, there.normal) < 0 ? light.front : light.back;
     // Facing away, or nothing goes that way: no ray.
     BsdfValue value;
-    if (!is_black(shine)) value = scatter.evaluate(wi);
+    if (!is_black(emitted)) value = scatter.evaluate(wi);
     if (is_black(value.share)) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
@@ -107,12 +108,12 @@ struct PathVertex {
     if (is_black(visible)) return kBlack;
     if constexpr (kRich) {
       if (light.has_texture) {
-        shine = looked_up_emission(scene, light.instance, there, point.surface.point, width,
-                                   state.counters);
+        emitted = looked_up_emission(scene, light.instance, there, point.surface.point, width,
+                                     state.counters);
       }
     }
     const double weight = power_heuristic(density, value.density);
-    return shine * value.share * visible * (weight / density);
+    return emitted * value.share * visible * (weight / density);
   }
 
   /// Adds what the lights without an extent bring.

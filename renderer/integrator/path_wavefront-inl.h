@@ -72,7 +72,7 @@ class PathWavefront : public PathWavefrontHits {
 
   /// Up to the next surfaces, and what is seen there.
   void step() {
-    // With veils, paths of one front differ in bounces: at the limit each is asked by itself.
+    // With alpha, paths of one front differ in bounces: at the limit each is asked by itself.
     const bool goes_on = vertex_ < scene_.settings.max_depth;
     const bool alone = (passes_ && !goes_on) || is_foggy();
     meet(alone, [&](uint32_t* places, size_t count) HWY_ATTR { add_background(places, count); });
@@ -112,7 +112,7 @@ class PathWavefront : public PathWavefrontHits {
 
   // ------------------------------------------------------------------------------------- materials
 
-  /// Finds the colours, and adds what shines.
+  /// Finds the colours, and adds what is emitted.
   void look_at_materials() {
     for (size_t at = 0; at < met_.even; at += kLanes) {
       const Lanes3 direction = gather(now_->rays.direction, indices_of(met_.place + at));
@@ -126,7 +126,7 @@ class PathWavefront : public PathWavefrontHits {
       const Surfaces::Side* const side = met_.from_behind(i) ? placed.back : placed.front;
       if (side) {
         put(side->diffuse, i, met_.diffuse);
-        if (!side->shines) continue;
+        if (!side->emits) continue;
       }
       at_looked_up(i, [&](const SurfacePoint& point) { look_at_material(i, place, point); });
     }
@@ -138,11 +138,11 @@ class PathWavefront : public PathWavefrontHits {
     add_emission(place, point);
   }
   void add_emission(uint32_t place, const SurfacePoint& point) {
-    const Color shine = emission(point);
-    if (is_black(shine)) return;
+    const Color emitted = emission(point);
+    if (is_black(emitted)) return;
     const Point3 from = Point3{} + vec_at(now_->from, place);
     const Vec3 normal = vec_at(now_->from_normal, place);
-    sum_of(place) += throughput(place) * shine *
+    sum_of(place) += throughput(place) * emitted *
                      emission_weight(scene_, point, hits_[place].primitive, now_->density[place],
                                      {from, normal});
   }

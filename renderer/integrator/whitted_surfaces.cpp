@@ -19,7 +19,7 @@ WhittedSurfaces::WhittedSurfaces(const Scene& scene)
     const Instance& instance = scene.instances[i];
     Placed& placed = placed_.emplace_back();
     placed.light_set = scene.shading[i].light_set;
-    placed.is_simple = scene.features.plain_light && !scene.shading[i].is_veil;
+    placed.is_simple = scene.features.plain_light && !scene.shading[i].has_alpha;
     for (uint32_t slot = 0; slot < scene.shading[i].material_count; ++slot) {
       const Material& material = scene.material(static_cast<uint32_t>(i), slot);
       placed.is_simple &= material.is_simple();

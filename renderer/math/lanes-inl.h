@@ -1,4 +1,4 @@
-// Compiled once for each instruction set: vectors of which each lane is one ray's. The same sums of
+// Compiled once for each instruction set: vectors with one ray in each lane. The same sums of
 // products, in the same order, as for one ray, and none fused.
 #if defined(TESSERA_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANES_INL_H

@@ -14,7 +14,7 @@ double sum_of(const Color& c) { return c.r + c.g + c.b; }
 Color squared(const Color& c) { return c * c; }
 
 /// Of a square error beside that of a pixel up to display white: what is brighter errs in
-/// proportion, or the rims of lamps would take all the time there is.
+/// proportion, or the rims of lights would take all the time there is.
 double worth_of(const Color& mean) {
   const double brightness = std::max(1.0, max_component(mean));
   return 1 / (brightness * brightness);

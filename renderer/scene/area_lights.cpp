@@ -29,9 +29,9 @@ LitSides lit_sides(const AreaLight& light) {
   return is_black(light.front) ? LitSides::back : LitSides::both;
 }
 
-/// Whether vertex colours let some of what is behind the mesh through: a veil in part, whatever its
+/// Whether vertex colours let some of what is behind the mesh through: alpha in part, whatever its
 /// material.
-bool is_veil(const TriangleMesh& mesh) {
+bool has_alpha(const TriangleMesh& mesh) {
   return std::any_of(mesh.colors.begin(), mesh.colors.end(),
                      [](const Float4& color) { return color.w < 1; });
 }
@@ -50,7 +50,7 @@ class Samplers {
     auto& triangles = triangles_[{mesh, slot, has_backs}];
     if (!triangles) {
       triangles = std::make_shared<TriangleSet>(
-          is_veil(*mesh) ? TriangleSet() : TriangleSet::of(*mesh, slot, has_backs));
+          has_alpha(*mesh) ? TriangleSet() : TriangleSet::of(*mesh, slot, has_backs));
     }
     return make_triangle_sampler(triangles, to_world, instance.flip_normals, sides);
   }

@@ -13,7 +13,7 @@
 
 namespace tessera {
 
-/// A surface that shines, as a light: one material of one instance.
+/// An emissive surface as a light: one material of one instance.
 struct AreaLight {
   std::shared_ptr<const SurfaceSampler> sampler;
   uint32_t instance = 0;
@@ -23,7 +23,7 @@ struct AreaLight {
   Point3 at;                            ///< of the plane of a flat one
   Vec3 dark_normal;  ///< of the side of the plane where it is black; zero: there is none such
 
-  /// Whether it is flat and `from` lies, clearly, where it does not shine.
+  /// Whether it is flat and `from` lies, clearly, where it emits nothing.
   bool is_dark_from(const Point3& from) const {
     constexpr double kClearly = 1e-9;  // far above the rounding of any point of the plane
     const Vec3 way = from - at;
@@ -33,7 +33,7 @@ struct AreaLight {
 };
 
 /// The lights that have an extent. Surfaces that cannot be chosen from (endless, of a shape without
-/// a sampler, veils) are not among them: paths find them by themselves. Immutable once built;
+/// a sampler, alpha) are not among them: paths find them by themselves. Immutable once built;
 /// thread-safe.
 class AreaLights {
  public:
@@ -55,7 +55,7 @@ class AreaLights {
 
 struct Scene;
 
-/// The surfaces of the scene's instances that shine. `meshes` is one an instance: what its shape is
+/// The surfaces of the scene's instances that emit. `meshes` is one an instance: what its shape is
 /// made of, null where that is no mesh.
 AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* const> meshes);
 

@@ -4,7 +4,7 @@
 
 namespace tessera {
 
-/// The radiance of the brightest lamp or the sun where mirrors or smooth glass throw light on:
+/// The radiance of the brightest light or the sun where mirrors or smooth glass throw light on:
 /// paths that come to these from other surfaces meet it by chance alone. 1, display white, at
 /// least, and where nothing is followed by paths. Bright pictures of the background are not looked
 /// at.

@@ -29,7 +29,7 @@ double reach_of(const Light& light) {
   return radius + kMargin * (radius + far);
 }
 
-/// Cells along an axis: about eight for each light that ends, each of which may list `all`.
+/// Cells along an axis: about eight for each light that ends; each may list `all`.
 int side_for(size_t ending, size_t all) {
   const size_t cells = std::min(8 * ending, kMostReferences / all);
   return std::clamp(static_cast<int>(std::cbrt(static_cast<double>(cells))), 1, kMostCells);

@@ -59,7 +59,7 @@ Enum named(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<Enum>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-/// The name of a number of the scene, of which the first of `names` is `first`.
+/// The name of a number of the scene; the first of `names` stands for `first`.
 std::string name_of(std::string_view field, int number, int first,
                     const std::vector<std::string>& names) {
   const auto place = static_cast<size_t>(number - first);

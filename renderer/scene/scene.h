@@ -31,16 +31,16 @@ struct InstanceShading {
   uint32_t first_material = 0;  ///< into Scene::material_slots
   uint32_t material_count = 1;
   uint32_t light_set = 0;
-  bool is_veil = false;  ///< may let any ray through unbent
+  bool has_alpha = false;  ///< may let any ray through unbent
 };
 
 /// What tracing this scene may leave out.
 struct SceneFeatures {
   bool shadows = false;  ///< some light casts shadows and something may
   bool rich = false;     ///< materials with textures, or of other models than classic and unlit
-  bool veils = false;    ///< some surface may let a ray through unbent
-  bool lambert = false;  ///< no material but classic ones that only scatter evenly or shine
-  /// No fog, and lights whose ambient part reaches all, and of which an occluder takes all.
+  bool alpha = false;    ///< some surface may let a ray through unbent
+  bool lambert = false;  ///< no material but classic ones that only scatter evenly or emit
+  /// No fog, and lights whose ambient part reaches all, and that an occluder blocks whole.
   bool plain_light = false;
 
   int absent() const { return !shadows + !rich + lambert + plain_light; }

@@ -27,8 +27,8 @@ namespace {
 /// One shape's materials, and what follows for every instance of it.
 struct ShapeMaterials {
   uint32_t first = 0, count = 0;
-  bool is_clear = false;  ///< may let shadow rays through
-  bool is_veil = false;   ///< may let any ray through unbent
+  bool is_clear = false;   ///< may let shadow rays through
+  bool has_alpha = false;  ///< may let any ray through unbent
   KeptAttributes keep;
   Cull cull = Cull::none;
 };
@@ -79,7 +79,7 @@ class SceneBuilder {
   }
 
  private:
-  /// Whitted's, but where surfaces are all that shines, which light nothing there, and others
+  /// Whitted's, but where surfaces are all that emits, which light nothing there, and others
   /// would show their light.
   void choose_integrator(const CameraChoice& choice) {
     RenderSettings& settings = scene_->settings;
@@ -87,15 +87,15 @@ class SceneBuilder {
       const bool has_lights =
           !graph_.lights.empty() || choice.headlight || !is_black(settings.ambient);
       const BackgroundKind background = scene_->background.kind;
-      bool shines = background == BackgroundKind::sun_and_sky || scene_->background.picture;
+      bool emits = background == BackgroundKind::sun_and_sky || scene_->background.picture;
       bool scatters = false;
       for (const Material& material : materials_.materials()) {
         if (material.model == MaterialModel::unlit) continue;
-        shines |= !is_black(material.emission);
+        emits |= !is_black(material.emission);
         scatters |= material.scatters();
       }
       settings.integrator =
-          shines && scatters && !has_lights ? IntegratorKind::path : IntegratorKind::whitted;
+          emits && scatters && !has_lights ? IntegratorKind::path : IntegratorKind::whitted;
       scene_->counters[kAutoChosePath] = settings.integrator == IntegratorKind::path ? 1 : 0;
     }
     constexpr uint32_t kPathDepth = 64;
@@ -256,7 +256,7 @@ class SceneBuilder {
       const size_t count = material->sides == Sides::back_material ? 2 : 1;
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = true;
-        entry.is_veil |= sides[side]->is_veil();
+        entry.has_alpha |= sides[side]->has_alpha();
         const uint32_t number = side == 0 ? index : material->back;
         entry.keep.uvs |= materials_.needs_uv(number);
         entry.keep.tangents |= materials_.has_normal_map(number);
@@ -267,7 +267,7 @@ class SceneBuilder {
     if (one_sided == entry.count) {
       entry.cull = Cull::back;
     } else if (one_sided > 0) {
-      entry.is_clear = entry.is_veil = true;
+      entry.is_clear = entry.has_alpha = true;
     }
   }
 
@@ -299,7 +299,7 @@ class SceneBuilder {
     for (size_t i = 0; i < shapes_.size(); ++i) {
       if (shapes_[i].has_clear_vertices) {
         ShapeMaterials& materials = shape_materials_[i];
-        materials.is_clear = materials.is_veil = true;
+        materials.is_clear = materials.has_alpha = true;
       }
     }
   }
@@ -314,13 +314,13 @@ class SceneBuilder {
                                    .casts_shadow = in.casts_shadow,
                                    .cull = materials.cull,
                                    .flip_normals = graph_.shapes[in.shape].shape->flip_normals()});
-      scene_->shading.push_back({materials.first, materials.count, in.scope, materials.is_veil});
+      scene_->shading.push_back({materials.first, materials.count, in.scope, materials.has_alpha});
       instance_shapes_.push_back(in.shape);
       if (names_)
         names_->instances.push_back(in.name ? *in.name : graph_.shapes[in.shape].shape->name());
       is_clear_.push_back(materials.is_clear);
-      is_veil_.push_back(materials.is_veil);
-      scene_->features.veils |= materials.is_veil;
+      has_alpha_.push_back(materials.has_alpha);
+      scene_->features.alpha |= materials.has_alpha;
     }
   }
 
@@ -368,7 +368,7 @@ class SceneBuilder {
     if (scene_->area_lights.empty() && !scene_->environment) return;
     const std::vector<bool> all(instances.size(), true);
     scene_->path_occluders =
-        casts == all && is_veil_ == is_clear_ ? scene_->occluders : occluders_of(is_veil_, all);
+        casts == all && has_alpha_ == is_clear_ ? scene_->occluders : occluders_of(has_alpha_, all);
   }
 
   bool has_plain_light() const {
@@ -435,7 +435,7 @@ class SceneBuilder {
   std::vector<CsgPlan> csg_plans_;               // one a graph shape, empty for most
   std::vector<BuiltShape> shapes_;               // one a graph shape
   std::vector<uint32_t> instance_shapes_;        // one an instance: its graph shape
-  std::vector<bool> is_clear_, is_veil_;         // one an instance
+  std::vector<bool> is_clear_, has_alpha_;       // one an instance
 };
 
 }  // namespace

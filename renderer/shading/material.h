@@ -54,7 +54,7 @@ struct Material {
 
   bool is_opaque() const { return transparency <= 0 && alpha >= 1 && !has_clear_input; }
   /// Whether some of what is behind it may come straight through.
-  bool is_veil() const {
+  bool has_alpha() const {
     return alpha < 1 || has_clear_input ||
            (transmission == Transmission::straight && transparency > 0);
   }
@@ -105,7 +105,7 @@ struct Material {
     }
     return model == MaterialModel::physical || roughness > 0;
   }
-  /// Whether all it does is to scatter evenly, and to shine.
+  /// Whether all it does is to scatter evenly, and to emit.
   bool is_lambert() const {
     return model <= MaterialModel::unlit && !is_rich() && is_opaque() && !is_mirror() &&
            is_black(specular) && sides != Sides::front_only;

@@ -9,7 +9,7 @@
 namespace tessera {
 
 /// Whether what is behind a surface of this material is filled with it, up to the surface's back.
-/// What lets light straight through, and takes nothing of it, is a veil or a hole instead.
+/// What lets light straight through, and takes nothing of it, has alpha or a hole instead.
 inline bool fills(const Material& material) {
   const bool refracts = material.transmission == Transmission::refract && material.transparency > 0;
   return !material.thin && (refracts || !is_black(material.absorption));

@@ -12,7 +12,7 @@ namespace tessera {
 
 enum class CsgOperation { join, intersect, subtract };
 
-/// Describes a combination of solids: leaves and operators over earlier nodes, each of which is
+/// Describes a combination of solids: leaves and operators over earlier nodes, each of them
 /// used once. Depth and width are bounded by memory alone.
 class CsgTree {
  public:

@@ -35,7 +35,7 @@ class CsgTable {
   uint32_t needed_ = 0;  ///< leaves without which nothing holds
   /// All is inside of leaf 0, and what is inside of it alone holds.
   bool is_carved_ = false;
-  uint32_t carving_ = 0;  ///< leaves inside of which nothing holds
+  uint32_t carving_ = 0;  ///< leaves whose inside is outside the solid
 };
 
 }  // namespace tessera

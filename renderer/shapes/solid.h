@@ -24,7 +24,7 @@ struct SolidEvent {
 class Solid : public Shape {
  public:
   using Shape::Shape;
-  /// False for a shape with an inside of which parts are left out: CSG refuses it.
+  /// False for a shape with an inside and parts left out: CSG refuses it.
   virtual bool closed() const { return true; }
   /// Appends all crossings of the whole line origin + t direction, t_min and t_max notwithstanding,
   /// by ascending t. The line starts outside: where it runs inside from the start or to the end,

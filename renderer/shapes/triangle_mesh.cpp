@@ -175,7 +175,7 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
              weight[2] * mesh.colors[index[2]].*channel;
     };
     surface.vertex_color = {blend(&Float4::x), blend(&Float4::y), blend(&Float4::z)};
-    // Where all three are 1 it is 1, so that nothing shines through by rounding.
+    // Where all three are 1 it is 1, so that no light comes through by rounding.
     const double alpha = mesh.colors[index[0]].w;
     surface.vertex_alpha = alpha + weight[1] * (mesh.colors[index[1]].w - alpha) +
                            weight[2] * (mesh.colors[index[2]].w - alpha);

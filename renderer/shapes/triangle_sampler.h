@@ -63,10 +63,10 @@ class TriangleSet {
   std::optional<TriangleTree> tree_;
 };
 
-/// Which sides of a surface shine.
+/// Which sides of a surface emit light.
 enum class LitSides : uint8_t { both, front, back };
 
-/// Of triangles of which those sides shine. Null where there are none.
+/// Samples the triangles with such sides. Null where there are none.
 std::unique_ptr<const SurfaceSampler> make_triangle_sampler(
     std::shared_ptr<const TriangleSet> triangles, const Transform& world_from_object,
     bool flip_normals, LitSides sides = LitSides::both);

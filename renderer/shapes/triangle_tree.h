@@ -29,7 +29,7 @@ class TriangleTree {
   struct View {
     Point3 from;      ///< in the triangles' frame
     Vec3 normal;      ///< unit, of what is lit, in the frame in which lengths are measured
-    double side = 0;  ///< 1: fronts shine, where corners are counter-clockwise; -1: backs; 0: both
+    double side = 0;  ///< 1: fronts emit, where corners are counter-clockwise; -1: backs; 0: both
     const Affine* measure = nullptr;  ///< to that frame; null: it is the triangles' own
     double stretch = 1;               ///< about how much longer it makes what it maps
   };

@@ -27,7 +27,7 @@ constexpr W kFalloff{"falloff", kNumber, "-1", "light fades with falloff / d^2; 
 constexpr W kAmbient{"ambient", kNumber,      "0", "light that reaches every point",
                      "",        kNotNegative, ""};
 constexpr W kOrigin{"origin", kVector, "", "where the light is", "", kAny, ""};
-constexpr W kPointing{"pointing", kVector, "", "a point that it shines at", "", kAny, ""};
+constexpr W kPointing{"pointing", kVector, "", "a point that it lights", "", kAny, ""};
 
 constexpr std::array kSettings{
     W{"title", kText, "Unnamed Scene", "", "", kAny, ""},

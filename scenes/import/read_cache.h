@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-/// Keeps what files were read as while none of them changes, so that a scene of which one file has
+/// Keeps what files were read as while none of them changes, so that a scene with one file that has
 /// changed is read anew without the others. What depends on a file, and on which, is found out by
 /// InputScope. Bounded: what was used longest ago goes first. Used by one thread at a time, and
 /// with the same decoders of pictures always.
@@ -21,7 +21,7 @@ class ReadCache {
   ReadCache& operator=(const ReadCache&) = delete;
 
   /// What was made under `key` before, if all that was looked at then is unchanged; else what
-  /// `make` returns now, of which `bytes_of` tells how much memory it takes. `key` names the type T
+  /// `make` returns now; `bytes_of` tells how much memory that takes. `key` names the type T
   /// and all that it depends on beside files. What `make` throws is passed on and not kept.
   template <typename T, typename Make, typename BytesOf>
   std::shared_ptr<const T> get(const std::string& key, const Make& make, const BytesOf& bytes_of) {

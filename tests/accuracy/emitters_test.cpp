@@ -1,4 +1,4 @@
-// Light from every kind of thing that shines, by Lambert's formula for polygons and by cones.
+// Light from every kind of emitter, by Lambert's formula for polygons and by cones.
 #include <vector>
 
 #include "renderer/math/transform.h"
@@ -71,7 +71,7 @@ TEST(Emitters, ShinesFromTheSideThatIsThereOrIsChosen) {
           kLampAndWall +
           "nodes { shape { materials: 'lamp' flip_normals: true sphere { center { z: 1.2 } "
           "radius: .5 } } } "));
-  // A back that shines, but as no surface whose points are chosen.
+  // A back that emits, but as no surface whose points are chosen.
   const Patch& patch = kPatches[0];
   const std::string sides =
       "materials { name: 'back' unlit { color { value { r: 2 g: 2 b: 2 } } } } materials { name: "
@@ -108,7 +108,7 @@ TEST(Emitters, TexturesAreFoundAgainFarAway) {
 }
 
 TEST(Emitters, BoxesAreTheirFaces) {
-  // Shines from outside alone; three faces look at the origin, one of them is cut by the horizon.
+  // Emits from outside alone; three faces look at the origin, one of them is cut by the horizon.
   const Vec3 low{0.7, 0.5, -0.4}, size{0.8, 1.1, 1.3};
   const std::string box = "box { " + vec("min", low) + vec("max", low + size) + "}";
   const Vec3 x{size.x, 0, 0}, y{0, size.y, 0}, z{0, 0, size.z};
@@ -237,16 +237,16 @@ TEST(Emitters, ManyLampsAddUp) {
     const Vec3 at{out * std::cos(turn), out * std::sin(turn), 0.3 * (i % 11) - 0.4};
     const Vec3 u = Vec3{-std::sin(turn), std::cos(turn), 0} * size, v = Vec3{0.3, 0, 1} * size;
     const Patch patch{at, u, v};
-    const double shine = 1 + i % 5;
+    const double emitted = 1 + i % 5;
     const std::string name = "lamp" + std::to_string(i);
-    scene += material(name, 0, shine) + node(patch.rectangle(), name);
-    truth += shine * irradiance(patch.corners());
+    scene += material(name, 0, emitted) + node(patch.rectangle(), name);
+    truth += emitted * irradiance(patch.corners());
   }
   expect_estimate(wall(truth), estimate(scene));
 }
 
 TEST(Emitters, LargeLampsThatBothWaysOfSamplingFind) {
-  // Four near walls of light, of which one is brighter: what scattering finds must know how seldom
+  // Four near walls of light, one of them brighter: what scattering finds must know how seldom
   // the tree would have chosen it.
   const Patch east{{0.8, -0.8, -0.5}, {0, 0, 1.5}, {0, 1.6, 0}};
   std::string scene = kLampAndWall;
@@ -259,10 +259,10 @@ TEST(Emitters, LargeLampsThatBothWaysOfSamplingFind) {
                       : Vec3{v.y, -v.x, v.z};
     };
     const Patch patch{turned(east.corner), turned(east.u), turned(east.v)};
-    const double shine = i == 0 ? 5 : 1;
+    const double emitted = i == 0 ? 5 : 1;
     const std::string name = "large" + std::to_string(i);
-    scene += material(name, 0, shine) + node(patch.rectangle(), name);
-    truth += shine * irradiance(patch.corners());
+    scene += material(name, 0, emitted) + node(patch.rectangle(), name);
+    truth += emitted * irradiance(patch.corners());
   }
   expect_estimate(wall(truth), estimate(scene));
 }

@@ -46,7 +46,7 @@ inline std::string material(const std::string& name, double albedo, double emiss
   return "materials { name: '" + name + "' classic { diffuse " + grey(albedo) + " emission " +
          grey(emission) + " } " + more + " } ";
 }
-/// A black body of radiance 2 seen from its front alone, and the wall z = 0 that it shines on.
+/// A black body of radiance 2 seen from its front alone, and the wall z = 0 that it lights.
 inline const std::string kLampAndWall = material("lamp", 0, 2, "sides: FRONT_ONLY") +
                                         material("wall", 0.6) +
                                         node("plane { normal { z: 1 } }", "wall");

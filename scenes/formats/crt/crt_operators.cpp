@@ -144,7 +144,7 @@ std::optional<CrtValue> of_lists(T token, const CrtValue& left, const CrtValue& 
   return heap.list(std::move(items), where);
 }
 
-/// Same type and same value. Of lists: item by item, each of which costs memory as if it were made,
+/// Same type and same value. Lists are compared item by item; each costs memory as if it were made,
 /// so that lists that share their parts cannot take forever.
 bool equal(const CrtValue& a, const CrtValue& b, CrtHeap& heap, CrtSpan where, int depth = 0) {
   constexpr int kMaxListDepth = 100;

@@ -119,9 +119,9 @@ v1::Material X3dTranslator::make_classic(const Look& look, const X3dNode& node, 
   classic.set_ambient_times_diffuse(true);
   classic.mutable_shininess()->set_value(
       128 * values_.share(node, name("shininess", "backShininess"), .2));
-  const std::string shine = texture(node.child("shininessTexture"), look, false);
-  if (!shine.empty()) {
-    classic.mutable_shininess()->set_texture(shine);
+  const std::string shininess = texture(node.child("shininessTexture"), look, false);
+  if (!shininess.empty()) {
+    classic.mutable_shininess()->set_texture(shininess);
     classic.mutable_shininess()->set_channel(v1::FloatInput::ALPHA);
   }
   for (const char* field : {"ambientTexture", "occlusionTexture"})

@@ -38,7 +38,7 @@ inline TilePixels render_rect(const TileRenderer& renderer, const PixelRect& rec
 inline std::shared_ptr<const Scene> with_every_feature(const std::shared_ptr<const Scene>& scene) {
   // Nobody else has it, and it was not made const.
   std::const_pointer_cast<Scene>(scene)->features = {
-      .shadows = true, .rich = true, .veils = scene->features.veils};
+      .shadows = true, .rich = true, .alpha = scene->features.alpha};
   return scene;
 }
 

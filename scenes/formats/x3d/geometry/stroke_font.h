@@ -5,7 +5,7 @@
 
 namespace tessera {
 
-/// A line of a glyph, in units of which capitals are 8 high; y = 0 is the baseline.
+/// A line of a glyph, in eighths of a capital's height; y = 0 is the baseline.
 struct Stroke {
   struct Point {
     double x, y;

@@ -16,7 +16,7 @@ namespace tessera {
 namespace {
 
 /// A random scene that paths are followed through in batches: shapes of all kinds where they are or
-/// moved, materials that scatter evenly or otherwise, textured or not, glass, veils and what
+/// moved, materials that scatter evenly or otherwise, textured or not, glass, alpha and what
 /// absorbs or neither, lights with and without an extent, before backgrounds that are sampled or
 /// not.
 class PathScene : RandomScene {
@@ -67,7 +67,7 @@ class PathScene : RandomScene {
     const int model = is_even_ ? 0 : pick(0, 5);
     text_ += fmt::format("materials {{ name: 'm{}' ", number);
     if ((passes_ || number == kMaterials - 1) && chance(.5))
-      text_ += "sides: FRONT_ONLY ";  // in solids made of others it would be a veil
+      text_ += "sides: FRONT_ONLY ";  // in solids made of others it would be alpha
     else if (number > 0 && chance(.2))
       text_ += fmt::format("sides: BACK_MATERIAL back: 'm{}' ", pick(0, number));
     const bool is_textured = is_textured_ && chance(.6);
@@ -200,14 +200,14 @@ Counts counts_of(const TraceCounters& c, const Scene& scene) {
 }
 
 TEST(PathBatches, FollowsEachPathAsItIsFollowedAlone) {
-  uint64_t veiled = 0, refracted = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
+  uint64_t with_alpha = 0, refracted = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
   for (uint32_t seed = 0; seed < 400; ++seed) {
     const bool has_lens = seed % 5 == 0;
     PathScene random(seed, has_lens);
     const auto scene = random.build(seed % 3 == 0 ? "linear" : "bvh");
     const auto integrator =
         make_integrator(without_lanes(random.build(seed % 3 == 0 ? "linear" : "bvh")));
-    veiled += scene->features.veils;
+    with_alpha += scene->features.alpha;
     even += random.is_even();
     sampled += scene->environment != nullptr;
     std::vector<Ray> rays(1 + seed % BatchTracer::kMost);
@@ -236,7 +236,7 @@ TEST(PathBatches, FollowsEachPathAsItIsFollowedAlone) {
       EXPECT_EQ(counts_of(together.counters, *scene), counts_of(state.counters, *scene));
     }
   }
-  EXPECT_GT(veiled, 80u);
+  EXPECT_GT(with_alpha, 80u);
   EXPECT_GT(refracted, 1'000u);
   EXPECT_GT(even, 150u);
   EXPECT_GT(sampled, 50u);

@@ -18,7 +18,7 @@ namespace {
 
 /// A random scene: shapes of all kinds that stand where they are or are moved, lights of all kinds,
 /// before backgrounds of one ray at a time and panoramas. Of two seeds, one has simple materials
-/// alone, which rays are followed in vectors for; the other has glass, veils and fog as well.
+/// alone, which rays are followed in vectors for; the other has glass, alpha and fog as well.
 class AnyScene : RandomScene {
  public:
   explicit AnyScene(uint32_t seed) : RandomScene(seed), is_simple_(seed % 4 < 2) {

@@ -90,7 +90,7 @@ TEST(Aovs, a_sphere_is_where_it_is) {
 }
 
 TEST(Aovs, means_are_of_the_samples_that_light_came_by) {
-  // White that shines before black: light and albedo are both the share of the pixel that is
+  // Emitted white before black: light and albedo are both the share of the pixel that is
   // covered.
   constexpr char kFlat[] = R"(
     cameras { world_from_camera { steps { translate { z: 10 } } } orthographic { min_x: -2 min_y: -2 max_x: 2 max_y: 2 } }

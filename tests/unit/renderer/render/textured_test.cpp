@@ -124,7 +124,8 @@ TEST(Textured, x3d_alpha_takes_the_place_of_transparency) {
 
 TEST(Textured, shadows_are_as_clear_as_the_texture) {
   BlobStore blobs;
-  // The light comes from the viewer's side past a small veil that the camera does not see.
+  // The light comes from the viewer's side past a small half-transparent square that the camera
+  // does not see.
   const auto scene = [&](int alpha, const std::string& more) {
     return image(blobs, "t", 1, 1, 2, {255, alpha}) +
            material("classic { diffuse { texture: 't' } } " + more) +

@@ -171,7 +171,7 @@ TEST(TriangleSampler, PrefersTheSidesThatShine) {
       const Placed ball{"ball", ball_mesh(12, 1), to_world};
       const Point3 at{1.5, 2, 1};
       const Vec3 normal = normalize(Point3{} - at);
-      // How often the side that shines is the one that is seen.
+      // How often the side that emits is the one that is seen.
       const auto seen = [&](LitSides sides) {
         const auto sampler = sampler_of(ball, sides, flip);
         constexpr int kCount = 2000;

@@ -113,9 +113,9 @@ V lit(const Scene& scene, const Lamp& lamp, const V& point, const Seen& seen, co
     else
       share *= std::clamp((off - lamp.cut_off) / (lamp.beam - lamp.cut_off), 0., 1.);
   }
-  const double shine =
+  const double specular =
       std::pow(std::max(0., dot(seen.normal, unit(l + to_eye))), 128 * seen.look->shininess);
-  return (seen.look->diffuse * cosine + seen.look->specular * shine) * lamp.color * share;
+  return (seen.look->diffuse * cosine + seen.look->specular * specular) * lamp.color * share;
 }
 
 V expected(const Scene& scene, int x, int y, int width, int height) {
