@@ -145,7 +145,8 @@ std::vector<std::string> channel_names(const Imf::Header& header) {
   const auto place = [](std::string_view name) {
     const size_t begin = name.rfind('.') + 1;
     const std::string_view channel = name.substr(begin);
-    const size_t color = channel.size() == 1 ? std::string_view("RGBA").find(channel[0]) : channel.npos;
+    const size_t color =
+        channel.size() == 1 ? std::string_view("RGBA").find(channel[0]) : channel.npos;
     return std::pair(name.substr(0, begin), color);
   };
   std::stable_sort(names.begin(), names.end(),
@@ -188,9 +189,9 @@ Window window_of(const Imf::Header& header, bool crop, int channels, int bits) {
   const Imath::Box2i& display = header.displayWindow();
   const Imath::Box2i& data = header.dataWindow();
   const auto side = [](int min, int max) { return int64_t{max} - min + 1; };
-  const PixelLayout all{static_cast<int>(std::min(side(data.min.x, data.max.x), int64_t{INT32_MAX})),
-                        static_cast<int>(std::min(side(data.min.y, data.max.y), int64_t{INT32_MAX})),
-                        channels, bits};
+  const PixelLayout all{
+      static_cast<int>(std::min(side(data.min.x, data.max.x), int64_t{INT32_MAX})),
+      static_cast<int>(std::min(side(data.min.y, data.max.y), int64_t{INT32_MAX})), channels, bits};
   if (!all.is_legal(PixelLayout::kMostChannels)) fail_image("its size is out of range");
   const Window whole{0, 0, all.width, all.height};
   if (!display.intersects(data)) return whole;
@@ -287,7 +288,8 @@ class Part {
     return channel && (channel->xSampling != 1 || channel->ySampling != 1);
   }
   void check_sampling(const std::string& name) const {
-    if (is_subsampled(name)) fail_image("its channel " + name + " is subsampled, which is not known");
+    if (is_subsampled(name))
+      fail_image("its channel " + name + " is subsampled, which is not known");
   }
 
   /// What read_all(pixels) reads over the data window, in its place.
@@ -300,8 +302,8 @@ class Part {
     ImageAnswer answer{{window.width, window.height, channels, bits}, {}};
     if (!answer.layout.is_legal(PixelLayout::kMostChannels)) fail_image("its size is out of range");
     const std::span<char> pixels = answer.make_room();
-    const bool is_same = window.x == 0 && window.y == 0 && window.width == all.width &&
-                         window.height == all.height;
+    const bool is_same =
+        window.x == 0 && window.y == 0 && window.width == all.width && window.height == all.height;
     if (is_same) {
       read_all(pixels.data());
       return answer;

@@ -242,7 +242,7 @@ class Image:
         if light.shape != self.linear.shape:
             raise UsageError(f"apply: f makes an array of shape {light.shape}; expected "
                              f"{self.linear.shape}, that of the picture")
-        return Image._of(self._picture.with_light(light))
+        return Image._of(self._picture.with_light(light), self._has_16_bits)
 
     @property
     def stats(self) -> dict[str, Any]:

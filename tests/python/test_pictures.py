@@ -591,8 +591,9 @@ def test_bits_that_a_file_cannot_hold_are_refused(tmp_path):
 def test_a_picture_of_uint16_is_not_rounded_unasked(tmp_path):
     for kind in ("u2", ">u2"):
         image = pickle.loads(pickle.dumps(ts.Image.from_array(np.full((2, 2), 300, kind))))
-        with pytest.raises(ts.UsageError, match="^bits: left out for '.*a.png', of a picture made of uint16"):
-            image.save(tmp_path / "b.exr", tmp_path / "a.png")
+        for fine in (image, image.apply(lambda light: light / 2)):
+            with pytest.raises(ts.UsageError, match="^bits: left out for '.*a.png', of a picture made of uint16"):
+                fine.save(tmp_path / "b.exr", tmp_path / "a.png")
         assert not list(tmp_path.iterdir())
     image.save(tmp_path / "b.exr")
     image.save(tmp_path / "a.png", bits=8)
