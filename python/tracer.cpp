@@ -299,12 +299,13 @@ void bind_queries(py::class_<RayQueries, std::shared_ptr<RayQueries>>& tracer) {
                queries.contains(at.count(), at.rows(), instance, open, result.data(), control);
              });
            })
-      .def("open_meshes",
+      .def("open_shapes",
            [](const std::shared_ptr<RayQueries>& queries) {
              return run_abandonably([queries](const std::atomic<bool>&) {
-               std::vector<std::tuple<uint32_t, size_t, uint32_t, uint32_t>> found;
-               for (const RayQueries::OpenMesh& mesh : queries->open_meshes())
-                 found.emplace_back(mesh.instance, mesh.edges, mesh.from, mesh.to);
+               std::vector<std::tuple<uint32_t, bool, size_t, uint32_t, uint32_t>> found;
+               for (const RayQueries::OpenShape& shape : queries->open_shapes())
+                 found.emplace_back(shape.instance, shape.is_mesh, shape.edges, shape.from,
+                                    shape.to);
                return found;
              });
            })

@@ -247,18 +247,23 @@ const RayQueries::Insides& RayQueries::insides() const {
         inside.boundary = std::make_shared<const MeshBoundary>(mesh->mesh());
       insides_->of.push_back(inside);
       if (inside.is_closed && !is_bounded(shape.bounds())) insides_->unbounded.push_back(i);
-      if (inside.boundary) insides_->open.push_back(i);
+      const bool is_solid = dynamic_cast<const Solid*>(&shape) != nullptr;
+      if (inside.boundary || (is_solid && !inside.is_closed)) insides_->open.push_back(i);
     }
   });
   return *insides_;
 }
 
-std::vector<RayQueries::OpenMesh> RayQueries::open_meshes() const {
-  std::vector<OpenMesh> open;
+std::vector<RayQueries::OpenShape> RayQueries::open_shapes() const {
+  std::vector<OpenShape> open;
   for (const uint32_t i : insides().open) {
-    const std::vector<OpenEdge>& edges = insides().of[i].boundary->edges();
-    open.push_back({i, edges.size()});
-    if (!edges.empty()) open.back().from = edges[0].from, open.back().to = edges[0].to;
+    OpenShape& shape = open.emplace_back(OpenShape{.instance = i});
+    const MeshBoundary* const boundary = insides().of[i].boundary.get();
+    if (!boundary) continue;
+    const std::vector<OpenEdge>& edges = boundary->edges();
+    shape.is_mesh = true;
+    shape.edges = edges.size();
+    if (!edges.empty()) shape.from = edges[0].from, shape.to = edges[0].to;
   }
   return open;
 }

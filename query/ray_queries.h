@@ -48,13 +48,14 @@ class RayQueries {
   /// inside is a usage error. Points on a surface are on either side, the same each time.
   bool contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
                 OpenInside open, uint8_t* result, const QueryControl& control = {}) const;
-  struct OpenMesh {
+  struct OpenShape {
     uint32_t instance = 0;
-    size_t edges = 0;           ///< at which it is open
+    bool is_mesh = false;       ///< else a solid, parts of whose surface are left out
+    size_t edges = 0;           ///< at which a mesh is open
     uint32_t from = 0, to = 0;  ///< the vertices of one of them
   };
-  /// The meshes that are open.
-  std::vector<OpenMesh> open_meshes() const;
+  /// The meshes and solids that are open, in the order of their instances.
+  std::vector<OpenShape> open_shapes() const;
 
   /// What lies at hits that closest_hits() or all_hits() found for these rays.
   bool attributes(const RayArrays& rays, const ConstHitArrays& hits, const AttributeArrays& out,

@@ -149,7 +149,7 @@ class Tracer:
     def __init__(self, core: _core.Tracer, options: Options) -> None:
         self._core, self._options = core, options
         self._names: Optional[List[str]] = None
-        self._open: Optional[List[Tuple[int, int, int, int]]] = None  # meshes, see _core
+        self._open: Optional[List[Tuple[int, bool, int, int, int]]] = None  # shapes, see _core
         self._has_told_open = False
 
     @classmethod
@@ -252,14 +252,15 @@ class Tracer:
         :param method: of meshes that are not closed. "parity": they have no inside. "winding": what they
             go around at least half is inside, by the generalised winding number (Jacobson 2013); of
             closed meshes and solids both say the same.
-        :param closed: what "parity" does with meshes that are not closed: SceneWarning tells of the
-            first, or UsageError refuses it, as always where `shape` means it.
+        :param closed: what is done about solids with parts left out, which have no inside, and by "parity"
+            about meshes that are not closed: SceneWarning tells of the first, or UsageError refuses it, as
+            always where `shape` means it.
         :param threads: how many trace, from 1 to 1024; those of the tracer if left out."""
         from ._numpy import numpy as np
         by_winding = _choice("method", method, _METHODS) == "winding"
         refuses = _choice("closed", closed, ("warn", "error")) == "error"
-        if not by_winding and shape is None:
-            self._tell_open(refuses)
+        if shape is None:
+            self._tell_open(refuses, by_winding)
         at = _vectors("points", points)
         inside = np.zeros(at.shape[:-1], bool)
         for number in self._numbers(shape):
@@ -268,17 +269,21 @@ class Tracer:
             inside |= one
         return frozen(inside)
 
-    def _tell_open(self, refuses: bool) -> None:
-        """Tells of meshes that are not closed: once, or by UsageError."""
+    def _tell_open(self, refuses: bool, by_winding: bool) -> None:
+        """Tells of shapes that are not closed and so have no inside: once, or by UsageError."""
         if self._open is None:
-            self._open = self._core.open_meshes()
-        if not self._open or (self._has_told_open and not refuses):
+            self._open = self._core.open_shapes()
+        # Those without an inside, by the method.
+        found = [each for each in self._open if not (by_winding and each[1])]
+        if not found or (self._has_told_open and not refuses):
             return
-        number, count, begin, end = self._open[0]
-        more = f", nor are {len(self._open) - 1} more" if len(self._open) > 1 else ""
-        where = f"at {count} edge{'s' * (count > 1)}, as that between vertices {begin} and {end}" if count else ""
-        text = (f"the mesh '{self._instance_names()[number]}' is not closed {where}{more}, so that nothing is "
-                "inside; expected each edge between two triangles that wind the same way, or method='winding'")
+        number, is_mesh, count, begin, end = found[0]
+        more = f", nor are {len(found) - 1} more" if len(found) > 1 else ""
+        where = f" at {count} edge{'s' * (count > 1)}, as that between vertices {begin} and {end}" if count else ""
+        expected = ("each edge between two triangles that wind the same way, or method='winding'" if is_mesh else
+                    "a solid with no part left out")
+        text = (f"the {'mesh' if is_mesh else 'solid'} '{self._instance_names()[number]}' is not closed{where}{more}, "
+                f"so that nothing is inside; expected {expected}")
         if refuses:
             raise UsageError(f"contains: {text}")
         warnings.warn(f"contains: {text}", SceneWarning, stacklevel=level_of_caller())

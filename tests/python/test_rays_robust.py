@@ -223,6 +223,21 @@ def test_one_bad_triangle_is_told_of_and_costs_the_inside_no_more_than_its_place
     assert np.array_equal(moved.tracer().contains(at * -2 + (5, 0, 0), method="winding")[far], inside[far])
 
 
+@pytest.mark.parametrize("method", ["parity", "winding"])
+def test_a_solid_with_a_part_left_out_has_no_inside_and_that_is_told(method):
+    told = "^contains: the solid 'pipe' is not closed, so that nothing is inside; expected a solid with no part left"
+    scene = ts.Scene(nodes=[ts.Sphere(), ts.Cylinder(open_top=True, name="pipe")])
+    tracer = scene.tracer()
+    with pytest.warns(ts.SceneWarning, match=told):
+        assert tracer.contains([(0, 0, 0), (0, .99, .5)], method=method).tolist() == [True, False]
+    with pytest.raises(ts.UsageError, match=told):
+        tracer.contains((0, 0, 0), method=method, closed="error")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        closed = ts.Scene(nodes=[ts.Cylinder(), ts.Rectangle((9, 9, 9), (1, 0, 0), (0, 1, 0))])
+        assert closed.tracer().contains((0, .9, .5), method=method)
+
+
 def test_closed_meshes_have_the_same_inside_by_both_methods():
     points, rows = cube()
     scene = ts.Scene()
