@@ -242,17 +242,6 @@ bool is_associated(const Picture& picture) {
   return format == "tiff" || format == "webp" || format == "heif";
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) {
-    if (all.size() + name.size() >= PixelLayout::kLongestNames) {
-      fail_image("its channels have too long names");
-    }
-    all.append(name.c_str()).push_back('\0');
-  }
-  return all;
-}
-
 SampleMeaning meaning_of(const Picture& picture, const ColorChannels& used) {
   const uint32_t channel = used.colors[0].value_or(used.alpha.value_or(0));
   return {
@@ -325,7 +314,7 @@ ImageAnswer decode_all(const std::string& format, int file) {
   for (uint32_t i = 0; i < names.size(); ++i) order.emplace_back(i);
   ImageAnswer answer = read_channels(picture, order, type_of(picture.spec(), order));
   if (names.back() == "A" && has_empty_alpha(picture, answer)) names.back() = kUnused;
-  answer.names = joined(names);
+  answer.names = joined_names(names);
   answer.meaning = meaning_of(picture, color_channels_of(names));
   return answer;
 }
@@ -354,7 +343,7 @@ ImageAnswer read_colors(const Picture& picture) {
     }
   }
   answer.meaning = meaning_of(picture, used);
-  answer.names = joined(others);
+  answer.names = joined_names(others);
   return answer;
 }
 

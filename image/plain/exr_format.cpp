@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/core_count.h"
+#include "image/plain/for_all.h"
 #include "image/plain/plain_formats.h"
 #include "renderer/math/stored_samples.h"
 
@@ -29,13 +29,11 @@ namespace {
 
 constexpr int kMostParts = 64;  ///< that are looked at
 
-/// How many threads work on blocks of one file.
+/// How many threads work on blocks of one file, which libOpenEXR has made.
 int thread_count() {
   static const int count = [] {
-    constexpr int kMostThreads = 8;
-    const int threads = std::min(core_count(), kMostThreads);
-    Imf::setGlobalThreadCount(threads);
-    return threads;
+    Imf::setGlobalThreadCount(threads_of_picture());
+    return threads_of_picture();
   }();
   return count;
 }
@@ -320,17 +318,6 @@ class Part {
   std::vector<std::string> names_;
 };
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) {
-    if (all.size() + name.size() >= PixelLayout::kLongestNames) {
-      fail_image("its channels have too long names");
-    }
-    all.append(name.c_str()).push_back('\0');
-  }
-  return all;
-}
-
 /// The colours and coverage of the part, and in `names` its other channels.
 ImageAnswer read_colors(Part& part) {
   const std::vector<std::string>& names = part.names();
@@ -353,7 +340,7 @@ ImageAnswer read_colors(Part& part) {
   for (const std::string& name : names) {
     if (std::find(order.begin(), order.end(), name) == order.end()) others.push_back(name);
   }
-  answer.names = joined(others);
+  answer.names = joined_names(others);
   answer.meaning.is_associated = used.alpha.has_value();
   return answer;
 }
@@ -370,7 +357,7 @@ ImageAnswer read_all(Part& part) {
   } else {
     answer = part.read(names, true, part.type_of(names));
   }
-  answer.names = joined(names);
+  answer.names = joined_names(names);
   answer.meaning.is_associated = used.alpha.has_value();
   return answer;
 }
@@ -386,7 +373,7 @@ ImageAnswer decode(std::span<const char> bytes, bool all) {
   if (best != 0) answer.part = name_of(file.header(best), best);
   if (all) return answer;
   for (int other = 0; other < part_count(file); ++other) {
-    if (other != best) answer.names += joined(names_in_part(file, other));
+    if (other != best) answer.names += joined_names(names_in_part(file, other));
   }
   if (answer.names.size() > PixelLayout::kLongestNames) {
     fail_image("its channels have too long names");

@@ -37,4 +37,16 @@ struct ImageAnswer {
 /// The cause becomes the answer.
 [[noreturn]] inline void fail_image(const std::string& cause) { throw std::runtime_error(cause); }
 
+/// Names of channels as ImageAnswer has them. Fails where they are longer than an answer's may be.
+inline std::string joined_names(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) {
+    if (all.size() + name.size() >= PixelLayout::kLongestNames) {
+      fail_image("its channels have too long names");
+    }
+    all.append(name.c_str()).push_back('\0');
+  }
+  return all;
+}
+
 }  // namespace tessera
