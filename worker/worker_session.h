@@ -141,7 +141,7 @@ class WorkerSession {
   void drop_builds();
   void forget_job(uint64_t job);
   void forget_jobs();
-  /// Drops jobs that trace nothing until the scenes of the rest have room.
+  /// Drops jobs that trace nothing until the scenes of the rest fit.
   bool make_room(const v1::JobStart& start);
   void fetch_more(Job& job, Time now);
   void scene_failed(Job& job, const std::string& text, v1::SceneFailed::Cause cause);

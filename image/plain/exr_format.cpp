@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -77,14 +78,11 @@ class MemoryOutput : public Imf::OStream {
 };
 
 std::vector<std::string> names_to_write(const ImageRequest& request) {
+  std::string given = request.channel_names;
+  if (given.empty()) given = request.layout.channels == 4 ? "R,G,B,A" : "R,G,B";
   std::vector<std::string> names;
-  std::string_view rest = request.channel_names;
-  if (rest.empty()) rest = request.layout.channels == 4 ? "R,G,B,A" : "R,G,B";
-  for (size_t comma = 0; comma != rest.npos; rest.remove_prefix(comma + 1)) {
-    comma = rest.find(',');
-    names.emplace_back(rest.substr(0, comma));
-    if (comma == rest.npos) break;
-  }
+  std::istringstream rest(given);
+  for (std::string name; std::getline(rest, name, ',');) names.push_back(name);
   if (names.size() != static_cast<size_t>(request.layout.channels)) {
     fail_image("the channels do not fit their names");
   }
