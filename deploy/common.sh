@@ -104,7 +104,7 @@ run_tests() {
   local preset=$1 code=0
   shift
   rm -f "build/$preset/tests.xml"
-  ctest --preset "$preset" --parallel "$(($(nproc) + 1))" --output-junit tests.xml "$@" || code=$?
+  ctest --preset "$preset" --parallel "$(($(nproc) + 2))" --output-junit tests.xml "$@" || code=$?
   deploy/report_tests.py "build/$preset/tests.xml" "$preset" || code=1
   if ((code)); then fail "tests failed; each is named above, with the command that runs it alone"; fi
 }

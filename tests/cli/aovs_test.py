@@ -7,7 +7,7 @@ import unittest
 import scenes
 from exr import read_exr
 from service_test import ServiceTest
-from tessera_process import PATIENCE, is_worker, marked_processes, wait_until
+from tessera_process import PATIENCE, is_worker, marked_processes, nightly, wait_until
 
 SIZE = ["--size", "70x45"]
 CHANNELS = {"albedo": ["albedo.R", "albedo.G", "albedo.B"], "normal": ["N.X", "N.Y", "N.Z"],
@@ -61,8 +61,9 @@ class Aovs(ServiceTest):
                    (kept.exists() and kept.stat().st_size > 100_000), "tiles are kept")
         return process
 
+    @nightly
     def test_after_a_killed_worker(self):
-        load = ["--size", "320x240", "--tile", "16", "--spp", 32, "--aovs", "all"]
+        load = ["--size", "320x240", "--tile", "16", "--spp", 12, "--aovs", "all"]
         reference = self.channels(*load, "--workers", 0)
         process = self.start_and_keep_some(load, 3)
         for worker in marked_processes(self.mark):
@@ -75,7 +76,7 @@ class Aovs(ServiceTest):
         self.assertEqual(reference[0], found)
 
     def test_after_a_killed_run(self):
-        load = ["--size", "320x240", "--tile", "16", "--spp", 32, "--aovs", "albedo,depth,samples"]
+        load = ["--size", "320x240", "--tile", "16", "--spp", 12, "--aovs", "albedo,depth,samples"]
         reference = self.channels(*load, "--workers", 0)
         process = self.start_and_keep_some(load, 2)
         process.kill()

@@ -3,7 +3,7 @@
 import struct
 import unittest
 
-from tessera_process import TesseraTest
+from tessera_process import TesseraTest, nightly
 
 CONFIG = """ocio_profile_version: 1
 roles:
@@ -82,6 +82,7 @@ class ColorManagement(TesseraTest):
         self.assertEqual((204, 102, 51), self.pixel("--ocio-view", "halved", "--exposure", "1"))
         self.assertEqual((204, 102, 51), self.pixel("--ocio-view", "halved", "--ocio-input", "half"))
 
+    @nightly
     def test_without_the_options_the_variable_changes_nothing(self):
         self.assertEqual(self.pixel(), self.pixel("--transfer", "srgb"))
         self.assertNotEqual(self.pixel(), self.pixel("--ocio-view", "as is"))
@@ -98,6 +99,7 @@ class ColorManagement(TesseraTest):
             self.assertIn(word, result.err)
         self.assertFalse((self.folder / "out.ppm").exists())
 
+    @nightly
     def test_wrong_names(self):
         self.check_refused(self.render("--ocio-view", "halvd"), "no view of screen 'halvd'",
                            "halved, as is", "did you mean 'halved'?")

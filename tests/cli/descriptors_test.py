@@ -10,7 +10,7 @@ import time
 import unittest
 
 from service_test import ServiceTest
-from tessera_process import wait_until
+from tessera_process import nightly, wait_until
 
 
 def limited(count):
@@ -66,6 +66,7 @@ class Descriptors(ServiceTest):
         self.assertIn("serving at", service.stdout.readline())
         return service
 
+    @nightly
     def test_a_flood_of_silent_connections_takes_none_from_the_farm(self):
         limit = 640
         service = self.limited_service(limit)

@@ -16,7 +16,7 @@ import urllib.request
 
 from blob_cache_test import hills
 from service_test import LOAD, TILES, ServiceTest
-from tessera_process import PATIENCE, PROGRAM, SLOWER, wait_until
+from tessera_process import PATIENCE, PROGRAM, SLOWER, nightly, wait_until
 
 
 def resident_bytes(process):
@@ -94,6 +94,7 @@ class ColdScene(Limits):
         with urllib.request.urlopen(f"{self.page}metrics", timeout=60) as answer:
             return int(re.search(r'wire_bytes_total{kind="scene"} (\d+)', answer.read().decode())[1])
 
+    @nightly
     def test_each_gets_it_once(self):
         self.scene = self.write("hills.obj", hills(self.SIDE))
         service = self.serve_with_log("--http", "127.0.0.1:0")
@@ -146,6 +147,7 @@ class Memory(Limits):
         self.assertEqual(0, rich.wait(60))
         poor.wait(60)
 
+    @nightly
     def test_a_worker_that_is_killed_for_its_memory_is_as_one_that_died(self):
         group = pathlib.Path("/sys/fs/cgroup/memory") / f"tessera-{self.mark[:8]}"
         limit = group / "memory.limit_in_bytes"

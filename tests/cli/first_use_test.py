@@ -14,7 +14,7 @@ import unittest
 
 import animation
 import scenes
-from tessera_process import PATIENCE, PROGRAM, TesseraTest
+from tessera_process import PATIENCE, PROGRAM, TesseraTest, nightly
 
 SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
 MOVING = """
@@ -391,6 +391,7 @@ class Farm(TesseraTest):
         self.assertEqual(3, result.code)
         self.assertIn("nothing listens at tcp://127.0.0.1:1", result.err.splitlines()[-1])
 
+    @nightly
     def test_somebody_there_who_says_nothing(self):
         scene = self.write("scene.tessera", scenes.ONE_SPHERE)
         with socket.create_server(("127.0.0.1", 0)) as mute:

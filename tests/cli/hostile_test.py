@@ -11,7 +11,7 @@ import unittest
 
 from farm_limits_test import resident_bytes
 from service_test import TILES, ServiceTest
-from tessera_process import PATIENCE, PROGRAM, SLOWER, wait_until
+from tessera_process import PATIENCE, PROGRAM, SLOWER, nightly, wait_until
 
 SECONDS = int(os.environ.get("TESSERA_HOSTILE_SECONDS", "4"))
 SEED = int(os.environ.get("TESSERA_HOSTILE_SEED", "1"))
@@ -41,6 +41,7 @@ class Hostile(ServiceTest):
             count += int(re.search(r"(\d+) messages", out)[1])
         return count
 
+    @nightly
     def test_who_is_let_in_cannot_spoil_a_job(self):
         reference = self.expected()
         service = self.serve("--verify", "100%")

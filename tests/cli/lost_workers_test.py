@@ -9,7 +9,7 @@ import time
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, SLOWER, TesseraTest, is_worker, marked_processes, wait_until
+from tessera_process import PATIENCE, SLOWER, TesseraTest, is_worker, marked_processes, nightly, wait_until
 
 SEEDS = int(os.environ.get("TESSERA_TEST_SEEDS", "12" if SLOWER == 1 else "3"))
 # Enough work for there to be a midst. When something happens is a share of it, not a time: so it
@@ -137,6 +137,7 @@ class LostWorkers(TesseraTest):
         except ProcessLookupError:
             pass  # it had just ended
 
+    @nightly
     def test_kill_one_at_any_moment(self):
         """Before its hello, too."""
         for seed in range(SEEDS):

@@ -13,10 +13,10 @@ import animation
 import browser
 import scenes
 from png import read_png
-from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, wait_until
+from tessera_process import PATIENCE, PROGRAM, SLOWER, TesseraTest, nightly, wait_until
 
 SMALL = ["--size", "48x32", "--workers", "2"]
-LONG = str(int(64 / SLOWER**2))  # samples: long enough to show progress
+LONG = str(int(12 / SLOWER) + 1)  # samples: long enough to show progress
 
 
 class Render(TesseraTest):
@@ -63,7 +63,7 @@ class Render(TesseraTest):
 
     def test_piped_progress_is_plain_lines(self):
         process = self.start("render", self.scene, "--size", "640x480", "--spp", "4096", "--tile",
-                             "16", "--workers", "2")
+                             "16", "--workers", "1", "--threads", "1")
         lines = [process.stderr.readline() for _ in range(2)]
         process.send_signal(signal.SIGINT)
         out = process.communicate(timeout=PATIENCE)[0]
@@ -340,6 +340,7 @@ class Bench(TesseraTest):
         self.assertEqual(0, result.code, result.err)
         return json.loads((self.folder / "rows.json").read_text())["rows"]
 
+    @nightly
     def test_rays(self):
         mesh = self.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"
                           "f 1 3 4\nf 2 3 4\n")

@@ -8,7 +8,7 @@ import subprocess
 import unittest
 import zlib
 
-from tessera_process import TesseraTest
+from tessera_process import TesseraTest, nightly
 
 WIDTH, HEIGHT = 16, 12
 SECRET = (200, 30, 90)  # the colour of the pictures that no scene may show
@@ -195,6 +195,7 @@ class PictureFormats(TesseraTest):
         compared = self.run_program("compare", "scene/floor.png", "scene/floor.png")
         self.assert_error(compared, 2, "scene/floor.png: is a movie")
 
+    @nightly
     def test_every_format_is_read_whatever_its_name(self):
         self.write("a.png", png(WIDTH, HEIGHT, SECRET))
         self.write("a.dds", dds())

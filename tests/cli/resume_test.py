@@ -7,7 +7,7 @@ import signal
 import sqlite3
 
 import scenes
-from tessera_process import PATIENCE, TesseraTest, wait_until
+from tessera_process import PATIENCE, TesseraTest, nightly, wait_until
 
 LOAD = ["--size", "320x240", "--tile", "16", "--spp"]
 TILES = 300
@@ -71,6 +71,7 @@ class Resume(TesseraTest):
         self.assertEqual(TILES, stats["tiles"]["done"])
         return stats["tiles"]["restored"], err
 
+    @nightly
     def test_after_kills_at_any_moment(self):
         for seed in range(6):
             with self.subTest(seed=seed):

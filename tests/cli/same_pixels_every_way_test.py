@@ -7,6 +7,8 @@ import same_pixels_test
 
 
 class EveryWay(same_pixels_test.SamePixels):
+    workers_for_paths = same_pixels_test.WORKERS
+
     def combined(self, workers, threads, tiles):
         return list(itertools.product(workers, threads, tiles))
 

@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 import scenes
-from tessera_process import PROGRAM, SLOWER, TesseraTest
+from tessera_process import PROGRAM, SLOWER, TesseraTest, nightly
 
 SAMPLES = pathlib.Path(__file__).parents[2] / "scenes/samples"
 WIDTH, HEIGHT = 72, 50  # no multiple of any tile
@@ -20,6 +20,8 @@ if SLOWER > 1:  # sanitizers look at the code, not at the combinations
 
 
 class SamePixels(TesseraTest):
+    workers_for_paths = [0, 3]  # each makes tables of rough glass before it begins
+
     def combined(self, workers, threads, tiles):
         """Each pair of two of them, in as few renders as that takes."""
         return [(w, threads[(i + j) % len(threads)], tile)
@@ -57,7 +59,7 @@ class SamePixels(TesseraTest):
         self.assert_all_equal(scenes.glass_scene())
 
     def test_paths(self):
-        self.assert_all_equal(scenes.paths_scene())
+        self.assert_all_equal(scenes.paths_scene(), workers=self.workers_for_paths)
 
     def test_many_lights(self):
         self.assert_all_equal(scenes.lights_scene())
@@ -76,6 +78,7 @@ class SamePixels(TesseraTest):
         found = {way: self.digest(scene, way)[0] for way in ways}
         self.assertEqual(1, len(set(found.values())), found)
 
+    @nightly
     def test_cost_on_other_machines(self):
         """Of a scene whose visits differ where products are not rounded before they are summed."""
         scene = SAMPLES / "knot.tessera"

@@ -13,7 +13,7 @@ import subprocess
 import unittest
 
 import scenes
-from tessera_process import PATIENCE, PROGRAM, TesseraTest, wait_until
+from tessera_process import PATIENCE, PROGRAM, TesseraTest, nightly, wait_until
 
 FRAME = ["--size", "320x240", "--tile", "16", "--spp"]
 GREETING = (b"\xff" + bytes(7) + b"\x01\x7f\x03\x00" + b"CURVE".ljust(20, b"\0") + bytes(32))
@@ -230,13 +230,13 @@ class KeyedFarm(TesseraTest):
         revoked = self.worker(*self.as_("node"), "--orphan-timeout", 10)
         stays = self.worker(*self.as_("other"))
         wait_until(lambda: self.logged().count("has come, with") == 2, "both workers have come")
-        job = self.render_on_farm(*self.as_("alice"), spp=64)
+        job = self.render_on_farm(*self.as_("alice"), spp=24)
         self.wait_for_log("of 320x240 pixels")
         self.allow("other", "alice")
         self.coordinator.send_signal(signal.SIGHUP)
         self.wait_for_log("lost worker")
         self.assertRegex(self.logged(), f":{revoked.pid}: its connection is gone")
-        self.assert_right(job, spp=64)
+        self.assert_right(job, spp=24)
         # A list that is wrong changes nothing.
         self.write("farm.allow", "oops\n")
         self.coordinator.send_signal(signal.SIGHUP)
@@ -246,6 +246,7 @@ class KeyedFarm(TesseraTest):
         self.end_farm(stays)
         self.assertEqual(3, revoked.wait(PATIENCE), revoked.stderr.read())
 
+    @nightly
     def test_who_is_listed_again_comes_back_by_itself(self):
         self.serve()
         worker = self.worker(*self.as_("node"))

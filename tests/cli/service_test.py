@@ -254,7 +254,7 @@ class Ends(ServiceTest):
     def test_a_worker_told_to_end_traces_what_it_has_begun_to_the_end(self):
         """And its queue is another's before that."""
         service, first = self.serve(), self.worker()
-        job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 2048))
+        job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 512))
         wait_until(lambda: threads_at_work(first) >= 2, "both threads trace")
         first.send_signal(signal.SIGTERM)
         second = self.worker()
@@ -263,7 +263,7 @@ class Ends(ServiceTest):
         self.assertEqual(0, second.poll() or 0)
         status = self.status(job)
         self.assertEqual(("done", 16), (status["state"], status["tiles"]["done"]))
-        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", "--size", "64x64", "--spp", 2048)
+        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", "--size", "64x64", "--spp", 512)
         self.assertEqual((self.folder / "alone.pfm").read_bytes(),
                          (self.folder / "fetched.pfm").read_bytes())
         self.stop(service)
@@ -367,7 +367,7 @@ class Ends(ServiceTest):
     def test_results_of_a_worker_that_had_to_end_are_handed_in_by_the_next(self):
         cache = self.folder / "cache"
         service, first = self.serve(), self.worker("--cache", cache)
-        job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 1024))
+        job = int(self.ask("submit", self.scene, "--size", "64x64", "--tile", "16", "--spp", 384))
         wait_until(lambda: self.status(job)["tiles"]["done"] > 0, "the job runs")
         wait_until(lambda: threads_at_work(first) >= 2, "both threads trace")
         service.send_signal(signal.SIGKILL)
@@ -382,7 +382,7 @@ class Ends(ServiceTest):
         wait_until(lambda: not list(cache.glob("*.results")), "they are handed in")
         wait_until(lambda: self.status(job)["tiles"]["done"] > kept, "they are taken")
         self.ask("fetch", job, "--wait", "-o", "fetched.pfm")
-        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", "--size", "64x64", "--spp", 1024)
+        self.render(self.scene, "-o", "alone.pfm", "--workers", "0", "--size", "64x64", "--spp", 384)
         self.assertEqual((self.folder / "alone.pfm").read_bytes(),
                          (self.folder / "fetched.pfm").read_bytes())
         self.stop(service)

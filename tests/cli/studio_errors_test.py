@@ -4,6 +4,7 @@ import shutil
 import unittest
 
 from studio_case import SAMPLES, SCENE, ViewTest
+from tessera_process import nightly
 
 
 class Errors(ViewTest):
@@ -114,6 +115,7 @@ class Errors(ViewTest):
         self.show(page)
         self.last_picture(page)
 
+    @nightly
     def test_a_scene_of_many_lines(self):
         rows = "".join(f"nodes {{ shape {{ sphere {{ center {{ x: {number % 100} y: {number // 100} }} radius: .4 }} }} }}\n"
                        for number in range(100_000))

@@ -9,6 +9,7 @@ import unittest
 from color_management_test import CONFIG
 from studio_case import SAMPLES, SCENE, SIZE, ViewTest
 from studio_client import Page
+from tessera_process import nightly
 
 READ = (".tessera", ".crt", ".x3d", ".x3dv", ".gltf", ".glb", ".obj", ".ply", ".stl")
 ONE = {"spp": 1}
@@ -28,6 +29,7 @@ class SamePixels(ViewTest):
         self.assertEqual((1, 4, 1, SIZE), (piece.scale, piece.samples, piece.version, piece.picture))
         self.assert_same(self.rendered(), shown)
 
+    @nightly
     def test_all_samples(self):
         size = (48, 32)
         names = sorted(each.name for each in SAMPLES.iterdir() if each.suffix in READ)
@@ -213,14 +215,14 @@ class Jobs(ViewTest):
 
     def test_resume_goes_on(self):
         page = self.begin()
-        self.show(page, overrides={"spp": 256}, size=(480, 270))
+        self.show(page, overrides={"spp": 96}, size=(480, 270))
         page.receive("pixels")
         page.say("pause", pane=0)
         page.receive("job", where=lambda each: each["state"] == "paused")
         page.forget()
         page.say("resume", pane=0)
         piece, shown = self.last_picture(page)
-        self.assertEqual(256, piece.samples)
+        self.assertEqual(96, piece.samples)
 
     def test_a_view_that_waits_for_saving(self):
         self.text = SCENE

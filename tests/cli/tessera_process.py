@@ -68,8 +68,21 @@ def wait_until(condition, what):
         time.sleep(min(0.002 + waited / 20, 0.05))
 
 
+def nightly(test):
+    """A test that is left to .ci/nightly, since quicker ones show that the same feature works."""
+    test.is_nightly = True
+    return test
+
+
 class TesseraTest(unittest.TestCase):
     """Each test has a folder of its own and fails if it leaves a process or a temporary file."""
+
+    def __init_subclass__(cls):
+        """With TESSERA_TEST_NIGHTLY in the environment, 1 leaves those marked @nightly, 0 the others."""
+        asked = os.environ.get("TESSERA_TEST_NIGHTLY")
+        for name, member in list(vars(cls).items()):
+            if asked and name.startswith("test_") and hasattr(member, "is_nightly") != (asked == "1"):
+                delattr(cls, name)
 
     def troubles(self):
         result = self._outcome.result

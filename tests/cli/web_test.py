@@ -219,7 +219,7 @@ class Page(WebTest):
             return film.width === image.width && one.every((byte, i) => byte === two[i]); })()""" % json.dumps(path))
 
     def test_shows_a_running_job_to_its_end_over_a_restart(self):
-        self.spp = 128 if SLOWER == 1 else 16
+        self.spp = 64 if SLOWER == 1 else 16
         service = self.serve()
         page = self.open()
         wait_until(lambda: page.evaluate("document.body.dataset.connection") == "live", "the page is live")

@@ -199,9 +199,14 @@ Counts counts_of(const TraceCounters& c, const Scene& scene) {
   return counts;
 }
 
-TEST(PathBatches, FollowsEachPathAsItIsFollowedAlone) {
+/// 400 random scenes, an eighth of them in each test.
+class RandomPathBatches : public testing::TestWithParam<uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomPathBatches, testing::Range(0u, 8u));
+
+TEST_P(RandomPathBatches, FollowEachPathAsItIsFollowedAlone) {
+  constexpr uint32_t kScenes = 50;
   uint64_t with_alpha = 0, refracted = 0, even = 0, sampled = 0, hits = 0, shadows = 0, ended = 0;
-  for (uint32_t seed = 0; seed < 400; ++seed) {
+  for (uint32_t seed = kScenes * GetParam(); seed < kScenes * (GetParam() + 1); ++seed) {
     const bool has_lens = seed % 5 == 0;
     PathScene random(seed, has_lens);
     const auto scene = random.build(seed % 3 == 0 ? "linear" : "bvh");
@@ -236,13 +241,13 @@ TEST(PathBatches, FollowsEachPathAsItIsFollowedAlone) {
       EXPECT_EQ(counts_of(together.counters, *scene), counts_of(state.counters, *scene));
     }
   }
-  EXPECT_GT(with_alpha, 80u);
-  EXPECT_GT(refracted, 1'000u);
-  EXPECT_GT(even, 150u);
-  EXPECT_GT(sampled, 50u);
-  EXPECT_GT(hits, 10'000u);
-  EXPECT_GT(shadows, 5'000u);
-  EXPECT_GT(ended, 300u);
+  EXPECT_GT(with_alpha, 5u);
+  EXPECT_GT(refracted, 100u);
+  EXPECT_GT(even, 10u);
+  EXPECT_GT(sampled, 3u);
+  EXPECT_GT(hits, 1'000u);
+  EXPECT_GT(shadows, 500u);
+  EXPECT_GT(ended, 30u);
 }
 
 TEST(PathBatches, SendsRaysThroughRasterPointsAsTheCameraDoes) {

@@ -126,7 +126,7 @@ Vec3 at_angle(double degrees) {
 }
 
 /// The mean weight of samples spread evenly: what the surface gives back of even light.
-Color albedo(const Bsdf& bsdf, int side = 512) {
+Color albedo(const Bsdf& bsdf, int side = 192) {
   Color sum = kBlack;
   BsdfSample sample;
   double choice = 0.5;
