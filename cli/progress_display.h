@@ -41,7 +41,7 @@ class ProgressDisplay {
 /// What to do on `stream`: nothing if `quiet`, a bar on a terminal, lines elsewhere.
 ProgressStyle progress_style(std::FILE* stream, bool quiet);
 
-/// One progress line without its end, such as " 42 %  21/50 tiles  4 workers  ETA 0:07".
+/// One progress line without its end, such as " 42 %  21/50 tiles  4 workers  ETA 1:23".
 std::string progress_text(const JobProgress& progress);
 /// That behind a label and a bar, "[=====>     ]", in at most so many columns: first the bar
 /// becomes shorter, then the last parts of the text are left out.

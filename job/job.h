@@ -77,9 +77,10 @@ inline constexpr size_t kMostName = 1000;
 /// Told to whoever watches; called on the thread that runs the job.
 struct JobProgress {
   uint64_t tiles_done = 0, tiles_total = 0;
-  int workers = 0;                                    ///< now connected
-  double elapsed_seconds = 0, remaining_seconds = 0;  ///< remaining < 0: not known yet
-  std::string waiting_for{};                          ///< "workers" ...; empty: tiles are traced
+  int workers = 0;                ///< now connected
+  double elapsed_seconds = 0;     ///< of a farm's job: those in which it was worked on
+  double remaining_seconds = -1;  ///< below 0: not known
+  std::string waiting_for{};      ///< "workers" ...; empty: tiles are traced
 };
 using ProgressCallback = std::function<void(const JobProgress&)>;
 

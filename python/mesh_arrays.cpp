@@ -180,12 +180,12 @@ std::string what_prevents_sharing(const ArraySource& source, ElementType type,
 ElementType kept_texel_type(const ArraySource& source) {
   if (source.kind == 'u' && source.item_size == 1) return texel_type(8);
   if (source.kind == 'f') return texel_type(source.item_size == 2 ? 16 : 32);
-  throw py::type_error(fmt::format("texels: {}; expected uint8, float16 or float32",
+  throw py::type_error(fmt::format("texels: {}; expected uint8, uint16 or floats",
                                    source.count() == 0  ? "no numbers"
                                    : source.kind == '?' ? "booleans"
                                    : source.kind == 'i' && source.item_size == 1
                                        ? "signed integers"
-                                       : "integers of more than 8 bits"));
+                                       : "other integers"));
 }
 
 Array share(const ArraySource& source, ElementType type, Array::Shape shape) {

@@ -15,7 +15,7 @@ namespace tessera {
 /// What Python gave for an array of a scene (TriangleMesh.positions, Image.texels ...), as the blob
 /// of that field has it; converted where it has to be. Needs the GIL.
 ///
-/// `share`: None to share read-only memory of the right type, False to refuse a copy, True to make
+/// `copy`: None to share read-only memory of the right type, False to refuse a copy, True to make
 /// one always. `vertices`: how many there are, -1 where that is not known; then each index is held
 /// against 2^32 alone.
 pybind11::object take_blob_array(pybind11::handle given, const std::string& field,

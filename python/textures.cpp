@@ -40,10 +40,7 @@ std::tuple<Array, bool, std::vector<std::string>> read_texture(const std::string
   auto [decoded, warnings] =
       run_abandonably([path, encoding = encoding_of(encoding)](const std::atomic<bool>&) {
         DecodedTexture read = decode_texture(path, false);
-        std::vector<std::string> told = notes_on(read, encoding);
-        if (std::string mended = mend_numbers(read); !mended.empty())
-          told.push_back(std::move(mended));
-        decode_picture(read, encoding);
+        std::vector<std::string> told = prepare_picture(read, encoding);
         return std::pair(std::move(read), std::move(told));
       });
   for (std::string& warning : warnings) warning.insert(0, path + ": ");

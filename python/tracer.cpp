@@ -289,14 +289,15 @@ void bind_queries(py::class_<RayQueries, std::shared_ptr<RayQueries>>& tracer) {
             });
           })
       .def("contains",
-           [](const RayQueries& queries, const py::object& points, std::optional<uint32_t> instance,
-              bool by_winding, int threads, const py::object& out) {
+           [](const RayQueries& queries, const py::object& points,
+              const std::optional<std::vector<uint32_t>>& among, bool by_winding, int threads,
+              const py::object& out) {
              const auto open =
                  by_winding ? RayQueries::OpenInside::by_winding : RayQueries::OpenInside::nothing;
              const VectorArray at("points", points);
              const PlainArray<uint8_t> result("out", out, at.count());
              trace(at.count(), threads, [&](const QueryControl& control) {
-               queries.contains(at.count(), at.rows(), instance, open, result.data(), control);
+               queries.contains(at.count(), at.rows(), among, open, result.data(), control);
              });
            })
       .def("open_shapes",

@@ -39,15 +39,12 @@ struct VectorRows {
   }
 };
 
-/// One number a ray; `stride` counts doubles. Without data, `otherwise` for every ray.
+/// One number a ray. Without data, `otherwise` for every ray.
 struct NumberRows {
   const double* data = nullptr;
-  std::ptrdiff_t stride = 1;
   double otherwise = 0;
 
-  double operator[](size_t i) const {
-    return data ? data[static_cast<std::ptrdiff_t>(i) * stride] : otherwise;
-  }
+  double operator[](size_t i) const { return data ? data[i] : otherwise; }
 };
 
 /// Rays in the caller's memory. t counts lengths of the direction; hits lie at t_min < t < t_max.

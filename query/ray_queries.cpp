@@ -23,11 +23,13 @@ struct RayQueries::Insides {
   struct Inside {
     bool is_closed = false;
     std::shared_ptr<const MeshBoundary> boundary;  ///< of an open mesh
+    /// A ray may leave it without a hit: a solid without an end, or a mesh by a hole.
+    bool may_be_left_unseen = false;
   };
   std::once_flag once;
-  std::vector<Inside> of;           ///< by instance
-  std::vector<uint32_t> unbounded;  ///< solids without an end, which rays may leave nowhere
-  std::vector<uint32_t> open;       ///< meshes, by whose holes rays may leave
+  std::vector<Inside> of;             ///< by instance
+  std::vector<uint32_t> left_unseen;  ///< those that may be
+  std::vector<uint32_t> open;         ///< meshes, and solids with parts left out
 };
 
 namespace {
@@ -245,8 +247,11 @@ const RayQueries::Insides& RayQueries::insides() const {
       if (is_new) inside.is_closed = is_closed(shape);
       if (is_new && mesh && !inside.is_closed)
         inside.boundary = std::make_shared<const MeshBoundary>(mesh->mesh());
+      if (is_new)
+        inside.may_be_left_unseen =
+            inside.boundary || (inside.is_closed && !is_bounded(shape.bounds()));
       insides_->of.push_back(inside);
-      if (inside.is_closed && !is_bounded(shape.bounds())) insides_->unbounded.push_back(i);
+      if (inside.may_be_left_unseen) insides_->left_unseen.push_back(i);
       const bool is_solid = dynamic_cast<const Solid*>(&shape) != nullptr;
       if (inside.boundary || (is_solid && !inside.is_closed)) insides_->open.push_back(i);
     }
@@ -268,41 +273,50 @@ std::vector<RayQueries::OpenShape> RayQueries::open_shapes() const {
   return open;
 }
 
-bool RayQueries::contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
-                          OpenInside open, uint8_t* result, const QueryControl& control) const {
+bool RayQueries::contains(size_t count, const VectorRows& points,
+                          const std::optional<std::vector<uint32_t>>& among, OpenInside open,
+                          uint8_t* result, const QueryControl& control) const {
   const std::vector<Instance>& instances = scene_->instances;
   const Insides& insides = this->insides();
-  if (instance && *instance >= instances.size())
-    throw usage_error(
-        fmt::format("shape: instance {}; expected one below {}", *instance, instances.size()));
-  const auto has_inside = [&](uint32_t number) {
-    const Insides::Inside& inside = insides.of[number];
-    return inside.is_closed || (open == OpenInside::by_winding && inside.boundary);
-  };
-  if (instance && !has_inside(*instance))
-    throw usage_error(fmt::format(
-        "shape: instance {}, which is open; expected a solid or a closed mesh", *instance));
+  std::vector<bool> is_asked(instances.size());  // of those that have an inside
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const Insides::Inside& inside = insides.of[i];
+    is_asked[i] = inside.is_closed || (open == OpenInside::by_winding && inside.boundary);
+  }
+  if (among) {
+    std::vector<bool> chosen(instances.size());
+    for (const uint32_t number : *among) {
+      if (number >= instances.size())
+        throw usage_error(
+            fmt::format("shape: instance {}; expected one below {}", number, instances.size()));
+      if (!is_asked[number])
+        throw usage_error(fmt::format(
+            "shape: instance {}, which is open; expected a solid or a closed mesh", number));
+      chosen[number] = true;
+    }
+    is_asked = std::move(chosen);
+  }
   return for_each_chunk(count, control, [&](size_t begin, size_t end) {
     std::vector<Hit> hits;
     for (size_t i = begin; i < end; ++i) {
       // Along an axis vertices are projected without rounding. Which axis makes no difference.
       const Ray ray{Point3{} + points[i], {0, 0, 1}};
       bool inside = false;
-      const auto look_in = [&](uint32_t number) {
-        if (inside || (instance && number != *instance) || !has_inside(number)) return;
-        const std::span<const Hit> of = hits_of(hits, number);
-        const Instance& one = instances[number];
-        const MeshBoundary* const boundary = insides.of[number].boundary.get();
-        inside =
-            boundary ? goes_around_start_of(one, *boundary, ray, of) : holds_start_of(one, ray, of);
-      };
       if (can_hit(ray)) {
         find_all(ray, hits);
         sort_by_instance(hits);
-        for_each_instance(hits, [&](std::span<const Hit> of) { look_in(of[0].instance); });
-        for (const uint32_t number : insides.unbounded) look_in(number);
-        if (open == OpenInside::by_winding)
-          for (const uint32_t number : insides.open) look_in(number);
+        for_each_instance(hits, [&](std::span<const Hit> of) {
+          const uint32_t number = of[0].instance;
+          if (inside || !is_asked[number] || insides.of[number].may_be_left_unseen) return;
+          inside = holds_start_of(instances[number], ray, of);
+        });
+        for (const uint32_t number : insides.left_unseen) {
+          if (inside || !is_asked[number]) continue;
+          const std::span<const Hit> of = hits_of(hits, number);
+          const MeshBoundary* const boundary = insides.of[number].boundary.get();
+          inside = boundary ? goes_around_start_of(instances[number], *boundary, ray, of)
+                            : holds_start_of(instances[number], ray, of);
+        }
       }
       result[i] = inside ? 1 : 0;
     }

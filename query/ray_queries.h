@@ -42,12 +42,14 @@ class RayQueries {
   /// What is inside a mesh that is open.
   enum class OpenInside {
     nothing,
-    by_winding,  ///< what it goes around at least half, by its generalised winding number
+    by_winding,  ///< what it goes around more than half, by its generalised winding number
   };
-  /// 1 for points inside some solid or closed mesh, or inside that instance. An instance without an
-  /// inside is a usage error. Points on a surface are on either side, the same each time.
-  bool contains(size_t count, const VectorRows& points, std::optional<uint32_t> instance,
-                OpenInside open, uint8_t* result, const QueryControl& control = {}) const;
+  /// 1 for points inside some solid or closed mesh; `among` some instances, where these are given.
+  /// One of these without an inside is a usage error. Points on a surface are on either side, the
+  /// same each time.
+  bool contains(size_t count, const VectorRows& points,
+                const std::optional<std::vector<uint32_t>>& among, OpenInside open, uint8_t* result,
+                const QueryControl& control = {}) const;
   struct OpenShape {
     uint32_t instance = 0;
     bool is_mesh = false;       ///< else a solid, parts of whose surface are left out

@@ -282,20 +282,28 @@ uint64_t Job::tiles_restored() const {
 
 JobProgress Job::progress(Time now, bool works) const {
   JobProgress progress;
-  for (const auto& end : ends_) {
-    if (end) progress.tiles_done += total(*end, "tiles_done");
-  }
   const WaitingTiles waiting = waiting_tiles();
-  progress.tiles_done += waiting.done;
+  progress.tiles_done = waiting.done;
+  // Those that are not done and that nobody will trace: of frames that failed, given up, or taken
+  // from equal frames.
+  uint64_t untraced = waiting.coming;
+  const auto add = [&](uint64_t done, uint64_t open) {
+    progress.tiles_done += done;
+    untraced += tiles_per_frame_ - std::min(tiles_per_frame_, done + open);
+  };
+  for (const auto& end : ends_) {
+    if (end) add(total(*end, "tiles_done"), 0);
+  }
   for (const Running& running : running_) {
-    progress.tiles_done += running.active->assembler().tiles_done();
+    const ActiveFrame& active = *running.active;
+    add(active.assembler().tiles_done(), active.scheduler().left().tiles);
   }
   progress.tiles_total = tiles_per_frame_ * ends_.size();
   progress.elapsed_seconds = meter_.seconds(now, works);
   progress.remaining_seconds = -1;
   if (works) {
-    const uint64_t not_traced = progress.tiles_done + waiting.coming;
-    const uint64_t open = progress.tiles_total - std::min(not_traced, progress.tiles_total);
+    const uint64_t closed = progress.tiles_done + untraced;
+    const uint64_t open = progress.tiles_total - std::min(closed, progress.tiles_total);
     progress.remaining_seconds = meter_.remaining_seconds(
         traced(), left(open), progress.tiles_total, leases(), working_threads());
   }

@@ -15,10 +15,10 @@ struct JobRules : TileRules {
   uint64_t verify_key = 0;
   /// Keys of workers that are let in; 0: there are no keys. See WorkerKeys.
   size_t worker_keys = 0;
-  /// What all submissions of clients together may come to take, blobs, scenes and films; and the
-  /// films of their frames that run. One whose film is larger is refused, others wait.
+  /// What the submissions that clients are sending may take together: blobs, scenes and films.
   uint64_t client_budget_bytes = uint64_t{32} << 30;
-  /// Of the frames that run. Their films take no more than client_budget_bytes either.
+  /// Of the frames that run, whose films may not take more than client_budget_bytes either, a sum
+  /// of its own. A frame whose film alone is larger than both allow is refused; others wait.
   BeginLimits begin{};
   size_t scenes_of_worker = 16;  ///< that a worker is told of at one time; above 0
   /// Where workers can map the memory of this process; 0: they cannot. RenderLoop fills it in.

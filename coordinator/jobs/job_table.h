@@ -37,7 +37,7 @@ class JobTable {
   /// Forgets it, begun or not; advance() tells that it has ended.
   void abandon(uint64_t frame);
   /// The result of a job from submit() once it has ended; told once.
-  std::optional<JobResult> take_result(uint64_t job);
+  std::optional<JobResult> take_result(uint64_t frame);
   /// Of any frame that is being traced, by the number that submit() returns and workers know; null
   /// for others.
   const ActiveFrame* running(uint64_t frame) const;

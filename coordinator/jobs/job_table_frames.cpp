@@ -277,10 +277,8 @@ void JobTable::begin(Job& job, uint32_t frame, Time now, Changes& changes) {
   };
   try {
     const uint64_t film = film_bytes_of(job, frame);
-    if (film > rules_.client_budget_bytes) {
-      throw render_error(fmt::format("a picture of {} bytes; expected at most {}", film,
-                                     rules_.client_budget_bytes));
-    }
+    if (const uint64_t most = limits().film_bytes; film > most)
+      throw render_error(fmt::format("a picture of {} bytes; expected at most {}", film, most));
     auto active = make_active(job, frame, now);
     tiles_restored_ += active->report().tiles_restored;
     if (const TileCosts* earlier = earlier_costs(job)) {

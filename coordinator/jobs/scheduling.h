@@ -21,7 +21,7 @@ namespace tessera {
 /// How many jobs have their scenes and films in memory.
 struct BeginLimits {
   size_t jobs = 8;
-  size_t urgent_jobs = 64;  ///< as many where those that come are more urgent than one of them
+  size_t urgent_jobs = 64;  ///< for a job that is more urgent than one of those begun
   uint64_t film_bytes = uint64_t{32} << 30;  ///< the films of begun frames together
 };
 

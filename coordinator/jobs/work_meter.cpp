@@ -9,7 +9,7 @@ namespace {
 /// The rate is that of a sixteenth of all tiles. Marks are a thousandth apart and go back a
 /// quarter.
 constexpr uint64_t kWindows = 16, kSteps = 1024, kReach = 4;
-/// Tiles that tell what one takes in the mean: so many, or a quarter of all.
+/// Tiles that tell what one takes in the mean: so many, or a quarter of those traced and left.
 constexpr uint64_t kEnough = 32;
 
 }  // namespace

@@ -61,7 +61,7 @@ struct ImageRequest {
   enum Call : uint32_t {
     encode,      ///< payload: pixels, 3 channels, 4 with alpha or those named, colours multiplied
                  ///< by alpha if they are floats; the reply: the file's bytes
-    decode_all,  ///< of a file: all channels as floats and their names
+    decode_all,  ///< of a file: all channels in the fewest bits that hold them, and their names
     decode,      ///< of a file: its color_channels_of() in the fewest bits that hold them, and the
                  ///< names of the other channels
     convert_colors,  ///< payload: pixels of 3 floats; the reply: the same by OpenColorIO

@@ -103,7 +103,7 @@ bool AddressFinder::update(bool connected, Time now) {
   if (connected) {
     good_ = address_->host;
     pause_ = kFirstPause;
-    if (lookups_.empty()) next_look_ = std::min(next_look_, now);  // once it breaks
+    if (lookups_.empty() && next_look_ != Time::max()) next_look_ = now;  // once it breaks
   } else if (now >= next_look_ && lookups_.size() < kMostLookups) {
     look(now);
   }

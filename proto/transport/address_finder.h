@@ -46,8 +46,9 @@ class AddressFinder {
   std::optional<std::string> good_;  ///< the last host of address_ by which there was a connection
   /// Those that have not come back, oldest first.
   std::vector<std::shared_ptr<Lookup>> lookups_;
-  std::optional<Time> asked_;  ///< since when there was no answer
-  Time next_look_ = Time::max(), pause_;
+  std::optional<Time> asked_;     ///< since when there was no answer
+  Time next_look_ = Time::max();  ///< max(): never, as there is no name
+  Time pause_;
   bool is_unknown_ = false;
   std::string why_;
 };

@@ -97,8 +97,8 @@ class ClientTransport {
   virtual void reconnect() = 0;
   /// What went wrong the last time, if no connection has come about since.
   virtual std::optional<ConnectionTrouble> trouble() const { return std::nullopt; }
-  /// The endpoint by the address that its host's name was found to have. Nullopt where there is
-  /// none yet, or none is needed.
+  /// The endpoint by the address that its host's name was found to have, or as it is where it has
+  /// no name. Nullopt where none is found yet, or by a transport without endpoints.
   virtual std::optional<std::string> resolved_endpoint() const { return std::nullopt; }
   virtual void wake() = 0;
 };

@@ -51,7 +51,7 @@ def _as_color(result: Any) -> Any:
 
 def color(given: ColorLike) -> Color:
     """The colour of a name ("red"), of "#c33" or "#cc3333" (sRGB, decoded), of three numbers, or grey
-    of one, from 0 on. Raises SceneError for other text, UsageError for all else."""
+    of one. Raises SceneError for other text, UsageError for all else."""
     if isinstance(given, str):
         return _from_text(given)
     numbers: Any = given

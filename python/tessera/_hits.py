@@ -81,17 +81,18 @@ class Located:
 
     @property
     def instance(self) -> Numbers:
-        """Numbers into `tracer.instances`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
+        """Indices into `tracer.instances`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._field("instance")
 
     @property
     def primitive(self) -> Numbers:
-        """Of a mesh the row of its triangles, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
+        """Of a mesh the row of its triangles, of a box its face: uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._field("primitive")
 
     @property
     def uv(self) -> Doubles:
-        """Weights of a triangle's vertices 1 and 2, float64 (..., 2); 0: no hit."""
+        """Barycentric weights of a triangle's vertices 1 and 2, not `texcoord`; of other shapes the place on
+        their surface. float64 (..., 2); 0: no hit."""
         return self._field("uv")
 
     @property
@@ -123,7 +124,7 @@ class Located:
 
     @property
     def material(self) -> Numbers:
-        """Numbers into `tracer.materials`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
+        """Indices into `tracer.materials`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._attribute("material")
 
     def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:

@@ -36,12 +36,16 @@ def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Pat
     :param strict: a picture or an Inline that is missing is an error, also called `x3d_strict`.
     :param two_sided: shows back faces, which glTF's one-sided materials and X3D's `solid` hide.
     :param up: which axis points up in a model that comes without a view; coordinates stay as they are.
-    :param x3d_color: how the numbers of X3D's colours are meant.
-    :param x3d_shadows: which of X3D's lights cast shadows.
-    :param x3d_texture: whether a coloured texture replaces the material's colour or multiplies it.
-    :param x3d_weld: points this near share the normals that are made.
+    :param x3d_color: how the numbers of X3D's colours are meant: "display" codes or "linear" light.
+    :param x3d_shadows: which of X3D's lights cast shadows: all ("on"), as the "file" says, or none ("off").
+    :param x3d_texture: whether a coloured texture replaces the material's colour ("replace") or multiplies
+        it ("modulate"), or what the file's "version" of X3D has it do.
+    :param x3d_weld: points this near share the normals that are made; in the file's unit, > 0.
     :param x3d_strict: the same as `strict`, as the option is called.
     :param x3d_two_sided: the same as `two_sided`.
+
+    Raises MissingFile for files that are not there, SceneError for what is wrong in them, and UsageError for
+    other words and numbers.
     """
     x3d_strict = x3d_strict or strict
     options = {name: value for name, value in locals().items()

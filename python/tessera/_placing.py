@@ -1,7 +1,7 @@
 """What shapes and nodes can both do: be moved, copied, mirrored, turned inside out, combined and hit."""
 from __future__ import annotations
 
-from typing import (TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Literal, Optional, Set, Tuple,
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Set, Tuple,
                     TypeVar, Union)
 
 from . import _messages
@@ -9,7 +9,7 @@ from ._core import Vec, transform_matrix
 from ._messages import Classic, CsgOperation, Material, Node, Object, Plane, Scene
 from ._places import located_errors
 from ._transforms import Transform, matrix, scale, translate
-from ._types import Accelerator, ArrayLike, Cull, HitField, VectorLike
+from ._types import Accelerator, ArrayLike, Cull, HitField, InsideMethod, OpenShapes, VectorLike
 from .errors import UsageError, nesting_ends
 from .rays import Hits, Tracer, tracer_from_scene
 
@@ -76,8 +76,8 @@ class Placed:
         return self.tracer(threads=1).intersect(origin, direction, t_min=t_min, t_max=t_max, cull=cull,
                                                 threads=threads, fields=fields)
 
-    def contains(self, points: ArrayLike, *, method: Literal["parity", "winding"] = "parity",
-                 closed: Literal["warn", "error"] = "warn", threads: Optional[int] = None) -> Bools:
+    def contains(self, points: ArrayLike, *, method: InsideMethod = "parity", closed: OpenShapes = "warn",
+                 threads: Optional[int] = None) -> Bools:
         """Whether points, (..., 3) in metres, are inside it: bool (...). Each call builds what it needs
         anew, on one thread where `threads` is left out; see `Tracer.contains`, whose errors it raises."""
         return self.tracer(threads=1).contains(points, method=method, closed=closed, threads=threads)

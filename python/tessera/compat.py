@@ -1,11 +1,12 @@
 """Stand-ins for classes of other packages."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, Tuple, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, Tuple, Union, overload
 
 from ._arguments import tells_unknown
 from ._types import ArrayLike
 from ._mesh import Mesh
+from .errors import UsageError
 
 if TYPE_CHECKING:
     from ._types import Bools, Doubles, Integers
@@ -13,12 +14,20 @@ if TYPE_CHECKING:
 __all__ = ["MeshIntersector"]
 
 
+def _check_rows(**arrays: Any) -> None:
+    from ._numpy import numpy as np
+    for name, array in arrays.items():
+        shape = np.shape(array)
+        if len(shape) != 2 or shape[1] != 3:
+            raise UsageError(f"{name}: shape {shape}; expected (n, 3)")
+
+
 class MeshIntersector:
     """Has the methods of `trimesh.Trimesh.ray`, with the same arguments, returns and dtypes: numbers
     of rays and triangles are int64, locations float64. Hits come by ray, then by distance. A ray
     through a shared edge or vertex hits each triangle there; a closed mesh contains what
-    `Tracer.contains` says. Points and directions are (n, 3), in the unit of the mesh. Raises UsageError
-    for arrays of other shapes and for a wrong mesh."""
+    `Tracer.contains` says, so that where two closed parts overlap is inside. Points and directions are
+    (n, 3), in the unit of the mesh. Raises UsageError for arrays of other shapes and for a wrong mesh."""
 
     @tells_unknown
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
@@ -39,6 +48,7 @@ class MeshIntersector:
         """The triangles that are hit, and the ray of each; with `return_locations` the points too.
         Raises UsageError for arrays of other shapes than (n, 3)."""
         from ._numpy import numpy as np
+        _check_rows(ray_origins=ray_origins, ray_directions=ray_directions)
         if multiple_hits:
             hits = self._tracer.intersect_all(ray_origins, ray_directions)
             ray, triangle = hits.ray, hits.primitive
@@ -64,16 +74,19 @@ class MeshIntersector:
         """The first triangle that each ray hits, (n,); -1 where there is none. Raises UsageError for arrays of
         other shapes than (n, 3)."""
         from ._numpy import numpy as np
+        _check_rows(ray_origins=ray_origins, ray_directions=ray_directions)
         first = self._tracer.intersect(ray_origins, ray_directions, fields=("primitive",))
         return np.where(first.hit, first.primitive.astype(np.int64), -1)
 
     @tells_unknown
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Bools:
         """Whether each ray hits anything, (n,). Raises UsageError for arrays of other shapes than (n, 3)."""
+        _check_rows(ray_origins=ray_origins, ray_directions=ray_directions)
         return self._tracer.occluded(ray_origins, ray_directions).copy()
 
     @tells_unknown
     def contains_points(self, points: ArrayLike) -> Bools:
         """Whether each point is inside the mesh, (n,); all False where it is not closed. Raises UsageError
         for arrays of other shapes than (n, 3)."""
+        _check_rows(points=points)
         return self._tracer.contains(points).copy()

@@ -104,7 +104,7 @@ class Cancelled(Error):
 
 
 class SceneWarning(UserWarning):
-    """Something in a file was read, or is left out of one, otherwise than might be expected."""
+    """Something in a scene or file is taken otherwise than might be expected."""
 
 
 class PrecisionWarning(UserWarning):

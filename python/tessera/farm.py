@@ -87,7 +87,10 @@ class Farm(BaseFarm):
         """Leaves a scene, or the frames of its animation that `frames` tells, as (first, last), a
         range or text such as "1,5,10-20" or "1-100x5", to the farm: returns once it has all of it, a
         job of at most 10,000 frames. The options are those of `tessera submit`. Raises what `render`
-        raises for them, UsageError for frames that are none, FarmError where the farm is gone."""
+        raises for them, UsageError for frames that are none, FarmError where the farm is gone.
+
+        :param priority: from -1000 to 1000; the tiles of the highest go first.
+        :param weight: its share beside jobs of its priority, from 1 to 1000."""
         options = {name: value for name, value in locals().items() if name not in _OF_JOBS}
         if unknown:
             refuse_unknown("submit", unknown, [*options, *sorted(_OF_JOBS - {"self", "unknown"})])

@@ -72,7 +72,7 @@ class Metrics(NamedTuple):
 
 
 class Image:
-    """A linear picture, and what was asked for beside light. Immutable; rows from the top. Two are
+    """A linear picture, and the AOVs that were asked for. Immutable; rows from the top. Two are
     equal that have the same bits in both.
 
     `stats` is what `tessera render --stats` writes; `holes` are tiles that nobody could trace.
@@ -139,7 +139,7 @@ class Image:
 
     @property
     def aovs(self) -> List[Aov]:
-        """The names of what there is beside light."""
+        """The names of the AOVs that it has."""
         return self._picture.aovs
 
     @overload

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import operator
 import warnings
-from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Sequence, SupportsIndex, Tuple,
-                    Union)
+from typing import (TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Set, SupportsIndex,
+                    Tuple, Union, get_args)
 
 from . import _core
 from ._arguments import (boolean, folder_text, named_text, nearest, number, several, tells_unknown,
@@ -14,7 +14,7 @@ from ._callers import level_of_caller
 from ._hits import AllHits, Hits, Located, frozen
 from ._log import logged_at_end
 from ._options import core_options
-from ._types import Accelerator, ArrayLike, Cull, HitField, Path
+from ._types import Accelerator, ArrayLike, Cull, HitField, InsideMethod, OpenShapes, Path
 from .errors import SceneWarning, UsageError
 
 if TYPE_CHECKING:
@@ -28,9 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = ["AllHits", "Hits", "Tracer", "tracer_from_scene"]
 
-_CULLS = ("none", "back", "front")
-_METHODS = ("parity", "winding")
-_FIELDS: Tuple[HitField, ...] = ("t", "instance", "primitive", "uv")
+_CULLS: Tuple[Cull, ...] = get_args(Cull)
+_FIELDS: Tuple[HitField, ...] = get_args(HitField)
 _SOME_FIELDS = f"some of {', '.join(_FIELDS)}"
 
 
@@ -56,9 +55,7 @@ def _real(name: str, value: Union[float, ArrayLike]) -> Rows:
     from ._numpy import numpy as np
     array: AnyArray = plain_array(name, value)
     if array.dtype == object or not np.can_cast(array.dtype, np.float64, "safe"):
-        # Whole numbers of 64 bits lose their last bits by numpy's rule, and are taken all the same.
-        if array.dtype.kind not in "iu":
-            raise UsageError(f"{name}: dtype {array.dtype}; expected float64 or what fits into it")
+        raise UsageError(f"{name}: dtype {array.dtype}; expected float64 or what fits into it")
     single = array.dtype.kind == "f" and array.dtype.itemsize == 4
     wanted = np.float32 if single else np.float64
     # A view, since arrays of ctypes tell their byte order even where it is this machine's.
@@ -138,19 +135,19 @@ class Tracer:
     of threads may use it at once. Results have the same bits for any number of threads.
 
     Arrays that it gives are read-only. Points are metres on the axes of the world. Rays start at
-    `origins` and go along `directions`, arrays of shape (..., 3) that broadcast; t counts lengths of the
-    direction, and hits lie at t_min < t < t_max. A t_min below 0 is a UsageError: what lies behind an
+    `origins` and go along `directions`, arrays of shape (..., 3) that broadcast. The point at t is
+    origin + t * direction, and hits lie at t_min < t < t_max. A t_min below 0 is a UsageError: what lies behind an
     origin is hit along the opposite direction. Surfaces are hit whatever their material lets through;
     hidden nodes are not there. A ray whose numbers are not all finite, or without a direction, hits
     nothing."""
 
-    __slots__ = ("_core", "_options", "_names", "_open", "_has_told_open")
+    __slots__ = ("_core", "_options", "_names", "_open", "_told_of")
 
     def __init__(self, core: _core.Tracer, options: Options) -> None:
         self._core, self._options = core, options
         self._names: Optional[List[str]] = None
         self._open: Optional[List[Tuple[int, bool, int, int, int]]] = None  # shapes, see _core
-        self._has_told_open = False
+        self._told_of: Set[bool] = set()  # by winding or not: for which methods open shapes were told of
 
     @classmethod
     def _of(cls, scene: Union[_core.ValueBase, _core.Array, str, bytes], options: Options, assets: str = "") -> Tracer:
@@ -174,7 +171,8 @@ class Tracer:
         :param directions: (..., 3), which broadcasts with the origins.
         :param t_min: from where on a ray is looked at, in lengths of its direction, >= 0: one number, or
             one for each ray.
-        :param t_max: up to where.
+        :param t_max: up to where, in the same unit.
+        :param cull: "back": the backs of surfaces are not hit; "front": their fronts are not.
         :param threads: how many trace, from 1 to 1024; those of the tracer if left out.
 
         Raises UsageError for other shapes, words and numbers."""
@@ -203,7 +201,7 @@ class Tracer:
                  t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                  threads: Optional[int] = None) -> Bools:
         """Whether each ray hits anything: bool in the rays' shape. Takes the arguments of
-        `Tracer.intersect` and raises what that raises."""
+        `Tracer.intersect` but for `fields`, and raises what that raises."""
         from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, bool)
@@ -217,8 +215,8 @@ class Tracer:
                       t_min: Union[float, ArrayLike] = 0.0,
                       t_max: Union[float, ArrayLike] = float("inf"), cull: Cull = "none",
                       threads: Optional[int] = None) -> AllHits:
-        """All hits of each ray, each once. Takes the arguments of `Tracer.intersect` and raises what that
-        raises."""
+        """All hits of each ray, each once. Takes the arguments of `Tracer.intersect` but for `fields`, and
+        raises what that raises."""
         from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         kept, empty = rays.to_keep()
@@ -233,7 +231,7 @@ class Tracer:
                   threads: Optional[int] = None) -> npt.NDArray[np.int32]:
         """How often each ray passes from front to back, less how often from back to front. Through
         an edge or vertex of a mesh it passes once. int32 in the rays' shape. Takes the arguments of
-        `Tracer.intersect` and raises what that raises."""
+        `Tracer.intersect` but for `cull` and `fields`, and raises what that raises."""
         from ._numpy import numpy as np
         rays = _Rays(origins, directions, t_min, t_max)
         out = np.empty(rays.shape, np.int32)
@@ -242,40 +240,42 @@ class Tracer:
 
     @tells_unknown
     def contains(self, points: ArrayLike, shape: Union[None, int, str] = None, *,
-                 method: Literal["parity", "winding"] = "parity",
-                 closed: Literal["warn", "error"] = "warn",
+                 method: InsideMethod = "parity", closed: OpenShapes = "warn",
                  threads: Optional[int] = None) -> Bools:
         """Whether each of the points, (..., 3) in metres on the axes of the world, is inside some solid
         or closed mesh; with `shape` inside the instances of that name or number. bool (...); False for
-        a point whose numbers are not all finite.
+        a point whose numbers are not all finite. Points on a surface are on either side. A plane is a
+        solid: what is behind it is inside. Discs, rectangles and polygons have no inside.
 
         :param method: of meshes that are not closed. "parity": they have no inside. "winding": what they
-            go around at least half is inside, by the generalised winding number (Jacobson 2013); of
-            closed meshes and solids both say the same.
-        :param closed: what is done about solids with parts left out, which have no inside, and by "parity"
-            about meshes that are not closed: SceneWarning tells of the first, or UsageError refuses it, as
-            always where `shape` means it.
-        :param threads: how many trace, from 1 to 1024; those of the tracer if left out."""
+            go around more than half is inside, by the generalised winding number (Jacobson 2013), to some
+            hundredths. Of closed meshes and solids both say the same: inside is what they go around, so
+            that where two closed parts of a mesh overlap is inside too.
+        :param closed: what is done about shapes without an inside: meshes that are not closed, by
+            "parity", and solids with parts left out. "warn": SceneWarning tells of the first, once for
+            each method, and nothing is inside. "error": UsageError.
+        :param threads: how many trace, from 1 to 1024; those of the tracer if left out.
+
+        Raises UsageError for other shapes and words, and for a `shape` that is unknown or has no inside."""
         from ._numpy import numpy as np
-        by_winding = _choice("method", method, _METHODS) == "winding"
-        refuses = _choice("closed", closed, ("warn", "error")) == "error"
-        if shape is None:
-            self._tell_open(refuses, by_winding)
+        by_winding = _choice("method", method, get_args(InsideMethod)) == "winding"
+        refuses = _choice("closed", closed, get_args(OpenShapes)) == "error"
+        among = self._numbers(shape)
+        self._tell_open(refuses or among is not None, by_winding, among)
         at = _vectors("points", points)
-        inside = np.zeros(at.shape[:-1], bool)
-        for number in self._numbers(shape):
-            one = np.empty(at.shape[:-1], bool)
-            self._core.contains(at.reshape(-1, 3), number, by_winding, self._threads(threads), one)
-            inside |= one
+        inside = np.empty(at.shape[:-1], bool)
+        self._core.contains(at.reshape(-1, 3), among, by_winding, self._threads(threads), inside)
         return frozen(inside)
 
-    def _tell_open(self, refuses: bool, by_winding: bool) -> None:
+    def _tell_open(self, refuses: bool, by_winding: bool, among: Optional[Sequence[int]]) -> None:
         """Tells of shapes that are not closed and so have no inside: once, or by UsageError."""
         if self._open is None:
             self._open = self._core.open_shapes()
         # Those without an inside, by the method.
-        found = [each for each in self._open if not (by_winding and each[1])]
-        if not found or (self._has_told_open and not refuses):
+        meant = None if among is None else set(among)
+        found = [each for each in self._open
+                 if not (by_winding and each[1]) and (meant is None or each[0] in meant)]
+        if not found or (by_winding in self._told_of and not refuses):
             return
         number, is_mesh, count, begin, end = found[0]
         more = f", nor are {len(found) - 1} more" if len(found) > 1 else ""
@@ -287,15 +287,19 @@ class Tracer:
         if refuses:
             raise UsageError(f"contains: {text}")
         warnings.warn(f"contains: {text}", SceneWarning, stacklevel=level_of_caller())
-        self._has_told_open = True  # not where the warning was an error
+        self._told_of.add(by_winding)  # not where the warning was an error
 
-    def _numbers(self, shape: Union[None, int, str]) -> Sequence[Optional[int]]:
+    def _numbers(self, shape: Union[None, int, str]) -> Optional[List[int]]:
+        """The instances that `shape` means; None: all."""
         if shape is None:
-            return [None]
+            return None
         if isinstance(shape, str):
             names = self._instance_names()
-            _choice("shape", shape, sorted(set(names)))
-            return [i for i, name in enumerate(names) if name == shape]
+            found = [i for i, name in enumerate(names) if name == named_text("shape", shape)]
+            if not found:
+                raise UsageError(f"shape: {shape!r:.100}; expected one of `instances`"
+                                 f"{nearest(shape, sorted(set(names)))}")
+            return found
         if isinstance(shape, bool) or not hasattr(shape, "__index__"):
             raise TypeError(f"shape: {shape!r:.60}; expected the name or number of an instance")
         number = operator.index(shape)
@@ -352,8 +356,8 @@ class Tracer:
 
     @property
     def bounds(self) -> Doubles:
-        """The least and the largest corner around all that ends somewhere, float64 (2, 3): metres on
-        the axes of the world. Infinite, the least above the largest, where there is nothing such."""
+        """The least and the largest corner of the bounds of all instances that are bounded, float64 (2, 3):
+        metres on the axes of the world. Infinite, the least above the largest, where there are none."""
         from ._numpy import numpy as np
         return np.asarray(self._core.bounds())
 

@@ -360,6 +360,7 @@ class Scene(_messages.Scene):
         :param camera: the name of the one whose rays `Tracer.camera_rays` makes; left out, the first.
         :param accel: what finds hits; all find the same.
         :param threads: how many build it and trace, from 1 to 1024; one a core if left out.
+        :param geometry_only: True, since tracers know no light.
         :param assets: where included files are, as of `render`.
 
         Raises SceneError, with the script's line, for what cannot be built.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -132,8 +133,11 @@ class SrgbDecoder {
   };
   /// Beyond 0 to 1 the curve goes on, and is odd.
   static float decode(float code) {
-    const auto light = static_cast<float>(srgb_to_linear(std::abs(double{code})));
-    return std::signbit(code) ? -light : light;
+    const double light = srgb_to_linear(std::abs(double{code}));
+    constexpr auto kMostFloat = double{std::numeric_limits<float>::max()};
+    const float near =
+        light > kMostFloat ? std::numeric_limits<float>::infinity() : static_cast<float>(light);
+    return std::signbit(code) ? -near : near;
   }
 
   static constexpr float kMost = 65535;

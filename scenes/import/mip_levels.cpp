@@ -35,7 +35,7 @@ class Texels {
     }
   }
 
-  /// Whether there is one that colours are not multiplied by, so that means have to be.
+  /// Whether there is alpha that is not in the colours, whose means it has to weight.
   bool has_alpha() const { return channels_ % 2 == 0 && !is_associated_; }
   uint32_t colors() const { return colors_; }
 

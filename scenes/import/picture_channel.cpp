@@ -42,19 +42,21 @@ void keep_channel(DecodedTexture& texture, PictureChannel channel, bool is_srgb)
   const bool has_alpha = channels % 2 == 0;
   const bool is_alpha = channel == PictureChannel::alpha_or_luminance && has_alpha;
   if (channels == 1) return;
-  const bool decodes = !is_alpha && channels > 2 && is_srgb && bits == 8;
-  const uint32_t to_bits = decodes ? 16 : bits;
+  // A texture of one channel is decoded by its encoding if it has 8 bits: alpha, which never is,
+  // and luminance, which is of light, leave as halves.
+  const bool to_halves = is_srgb && bits == 8 && (is_alpha || channels > 2);
+  const uint32_t to_bits = to_halves ? 16 : bits;
   const size_t from_size = size_t{channels} * (bits / 8), to_size = to_bits / 8;
   std::vector<std::byte> out(texture.texels->size() / from_size * to_size);
   const std::byte* from = texture.texels->data();
   for (size_t at = 0; at < out.size(); at += to_size, from += from_size) {
     double value = 0;
     if (is_alpha || channels == 2) {
-      value = number_at(from, is_alpha ? channels - 1 : 0, bits);
+      value = number_at(from, is_alpha ? channels - 1 : 0, bits) / (to_halves ? 255 : 1);
     } else {
       for (uint32_t c = 0; c < 3; ++c) {
         const double number = number_at(from, c, bits);
-        value += kLuminance[c] * (decodes ? srgb_to_linear(number / 255) : number);
+        value += kLuminance[c] * (to_halves ? srgb_to_linear(number / 255) : number);
       }
     }
     if (!is_alpha && has_alpha && texture.meaning.is_associated) {

@@ -53,16 +53,6 @@ void set_integer_encoding(v1::Texture::Image::Encoding encoding, v1::Texture::Im
   if (encoding != v1::Texture::Image::ENCODING_SRGB) image.set_encoding(encoding);
 }
 
-std::vector<std::string> notes_on(const DecodedTexture& picture, SampleEncoding encoding) {
-  std::vector<std::string> notes;
-  if (!picture.part_note.empty()) notes.push_back(picture.part_note);
-  if (picture.gamma > 0 && encoding != SampleEncoding::linear)
-    notes.push_back(fmt::format(
-        "its codes have gamma {:.5g} (gAMA) by what the file says; they are read as those of sRGB",
-        picture.gamma));
-  return notes;
-}
-
 void decode_picture(DecodedTexture& picture, SampleEncoding encoding) {
   SampleMeaning meaning = picture.meaning;
   meaning.from_integers |= picture.bits == 8;
@@ -107,6 +97,20 @@ std::string mend_numbers(DecodedTexture& picture) {
   return fmt::format("pixel {},{} has the number {} and is read as {}{}; expected finite numbers",
                      pixel % picture.width, pixel / picture.width, first_value, mended(first_value),
                      count == 1 ? "" : fmt::format(", like {}", counted(count - 1, "more number")));
+}
+
+std::vector<std::string> prepare_picture(DecodedTexture& picture, SampleEncoding encoding) {
+  std::vector<std::string> notes;
+  if (!picture.part_note.empty()) notes.push_back(picture.part_note);
+  if (picture.gamma > 0 && encoding != SampleEncoding::linear)
+    notes.push_back(fmt::format(
+        "its codes have gamma {:.5g} (gAMA) by what the file says; they are read as those of sRGB",
+        picture.gamma));
+  decode_picture(picture, encoding);
+  // After, as the curve makes numbers of floats infinite that are large.
+  if (std::string mended = mend_numbers(picture); !mended.empty())
+    notes.push_back(std::move(mended));
+  return notes;
 }
 
 }  // namespace tessera

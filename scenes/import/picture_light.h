@@ -15,10 +15,6 @@ SampleEncoding sample_encoding(const v1::Texture::Image& image);
 /// nothing of floats, which are light.
 void set_integer_encoding(v1::Texture::Image::Encoding encoding, v1::Texture::Image& image);
 
-/// What to warn of where a picture is read otherwise than its file has it: another part than the
-/// first, or codes of another gamma than sRGB's, which is not followed.
-std::vector<std::string> notes_on(const DecodedTexture& picture, SampleEncoding encoding);
-
 /// Makes linear floats of a picture that the renderer could not decode: of codes of more than 8
 /// bits, and of integers with associated alpha. Codes of 8 bits stay as they are.
 void decode_picture(DecodedTexture& picture, SampleEncoding encoding);
@@ -27,5 +23,10 @@ void decode_picture(DecodedTexture& picture, SampleEncoding encoding);
 /// half floats hold, 65504; what is no number, and less than any light, becomes 0. Returns what to
 /// warn of, with the first pixel; empty where there was nothing.
 std::string mend_numbers(DecodedTexture& picture);
+
+/// Both of these, for a picture as its file has it. Returns what to warn of: numbers that were
+/// mended, and where it is read otherwise than the file says: another part than the first, or codes
+/// of another gamma than sRGB's, which is not followed.
+std::vector<std::string> prepare_picture(DecodedTexture& picture, SampleEncoding encoding);
 
 }  // namespace tessera

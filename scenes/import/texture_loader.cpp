@@ -84,7 +84,7 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
   using Kept = std::optional<PictureChannel>;
   std::map<std::tuple<std::filesystem::path, SampleEncoding, bool, bool, Kept>, v1::Texture::Image>
       known;
-  std::set<std::filesystem::path> told;
+  std::set<std::pair<std::filesystem::path, std::string>> told;  // warnings of files
   for (v1::Texture& texture : *loaded.scene.mutable_textures()) {
     const bool wanted = texture.has_image() && !texture.image().file().empty() &&
                         texture.image().texels().digest().empty();
@@ -109,10 +109,7 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
         const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
         StoredTexture stored;
         stored.unused_channels = decoded.unused_channels;
-        stored.warnings = notes_on(decoded, sample_encoding(image));
-        if (std::string mended = mend_numbers(decoded); !mended.empty())
-          stored.warnings.push_back(std::move(mended));
-        decode_picture(decoded, sample_encoding(image));
+        stored.warnings = prepare_picture(decoded, sample_encoding(image));
         if (kept) keep_channel(decoded, *kept, is_srgb);
         stored.image = store(std::move(decoded), image, stored.blobs);
         return stored;
@@ -126,13 +123,11 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
           [](const StoredTexture& made) { return made.image.texels().size(); });
       for (const auto& [digest, blob] : stored->blobs.all()) loaded.blobs.put(digest, blob);
       at->second = stored->image;
-      if (told.insert(file).second) {
-        for (const std::string& warning : stored->warnings)
-          add_warning(loaded, file.string(), warning);
-        if (!stored->unused_channels.empty()) {
-          loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));
-        }
+      for (const std::string& warning : stored->warnings) {
+        if (told.emplace(file, warning).second) add_warning(loaded, file.string(), warning);
       }
+      if (!stored->unused_channels.empty() && told.emplace(file, "").second)
+        loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));
     }
     image.MergeFrom(at->second);
   }

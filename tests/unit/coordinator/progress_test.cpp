@@ -115,6 +115,25 @@ TEST_F(Progress, WhileItIsPausedNothingIsToldAndAfterwardsTheSame) {
   EXPECT_NEAR(look(id).remaining_seconds(), 48, 2);
 }
 
+TEST_F(Progress, TilesOfAFrameThatFailedAreNotWaitedFor) {
+  const uint64_t id = submit(1, 0, 160, 1, 4, now);
+  come_now();
+  v1::Envelope message;
+  v1::SceneFailed& failed = *message.mutable_scene_failed();
+  failed.set_session(session);
+  failed.set_job(heard(v1::Envelope::kJobStart).at(0).job_start().job());
+  failed.set_cause(v1::SceneFailed::BAD_SCENE);
+  failed.set_text("bad");
+  say("w1", message, now);
+  traced = assigned().size();  // of the frame that failed
+  coordinator.on_tick(now);
+  get_ready_in(session);
+  trace(250, seconds(1));
+  EXPECT_EQ(look(id).tiles_done(), 250u);
+  EXPECT_EQ(look(id).tiles_total(), 400u);
+  EXPECT_NEAR(look(id).remaining_seconds(), 50, 2);
+}
+
 TEST_F(Progress, WhatIsStoredCountsBeforeTheJobIsBegun) {
   const uint64_t id = submit(1, 0, 160, 1, 2, now);
   come_now();

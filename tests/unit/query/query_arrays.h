@@ -49,7 +49,9 @@ inline std::vector<uint8_t> contained(const RayQueries& queries, const std::vect
                                       std::optional<uint32_t> instance = {},
                                       RayQueries::OpenInside open = {}) {
   std::vector<uint8_t> inside(points.size() / 3);
-  EXPECT_TRUE(queries.contains(inside.size(), {points.data()}, instance, open, inside.data()));
+  std::optional<std::vector<uint32_t>> among;
+  if (instance) among = {*instance};
+  EXPECT_TRUE(queries.contains(inside.size(), {points.data()}, among, open, inside.data()));
   return inside;
 }
 

@@ -172,9 +172,11 @@ class AddressFinderTest : public ::testing::Test {
 TEST_F(AddressFinderTest, AnAddressIsNotResolved) {
   for (const char* host : {"127.0.0.1", "[::1]", "10.1.2.3"}) {
     const Endpoint endpoint{.tcp = true, .path = {}, .host = host, .port = 7};
-    const AddressFinder finder(endpoint, names_.resolver(), wake_, now_);
+    AddressFinder finder(endpoint, names_.resolver(), wake_, now_);
     ASSERT_TRUE(finder.address());
     EXPECT_EQ(finder.address()->str(), endpoint.str());
+    EXPECT_FALSE(finder.update(true, now_));
+    EXPECT_FALSE(finder.update(false, now_ + 1s)) << "once the connection is gone";
     EXPECT_FALSE(finder.trouble(now_ + 1h));
   }
   EXPECT_EQ(names_.asked(), 0);

@@ -66,6 +66,22 @@ TEST(PictureLight, a_channel_of_associated_alpha_is_divided_by_it) {
   EXPECT_FALSE(picture.meaning.is_associated);
 }
 
+TEST(PictureLight, alpha_kept_of_codes_is_linear) {
+  DecodedTexture picture = texture<uint8_t>(1, 4, {9, 9, 9, 128});
+  keep_channel(picture, PictureChannel::alpha_or_luminance, true);
+  EXPECT_EQ(picture.bits, 16u) << "as codes of 8 bits would be decoded";
+  EXPECT_EQ(numbers<uint16_t>(picture), std::vector{float_to_half(128 / 255.f)});
+}
+
+TEST(PictureLight, light_too_large_for_floats_is_mended) {
+  DecodedTexture picture = texture<float>(1, 2, {1e20f, 1});
+  const std::vector<std::string> notes = prepare_picture(picture, SampleEncoding::srgb);
+  EXPECT_EQ(notes,
+            std::vector<std::string>{
+                "pixel 0,0 has the number inf and is read as 65504; expected finite numbers"});
+  EXPECT_EQ(numbers(picture), (std::vector<float>{65504, 1}));
+}
+
 TEST(PictureLight, numbers_that_are_not_finite_are_mended_with_their_place) {
   constexpr float kEndless = std::numeric_limits<float>::infinity();
   DecodedTexture picture =
