@@ -123,7 +123,7 @@ BuildOutcome RenderService::build_now(const BuildRun& run) const {
   run.started = true;
   try {
     Cancellation::check();
-    outcome.renderer = factory_(run.scene, run.blobs, run.frame, thread_count_);
+    outcome.renderer = factory_(run.scene(), run.blobs, run.frame, thread_count_);
     if (!outcome.renderer) throw render_error("the scene gave no tracer");
   } catch (const WorkCancelled&) {
     outcome.dropped = true;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "proto/wire/scene_codec.h"
-
 namespace tessera {
 namespace {
 
@@ -73,14 +71,12 @@ void SceneCache::keep(const v1::JobStart& start, std::shared_ptr<const TileRende
 
 std::shared_ptr<BuildRun> SceneCache::input(const v1::JobStart& start) const {
   const auto digest = Digest::parse(start.scene_digest());
-  const BlobData bytes = digest ? blobs_.find(*digest) : nullptr;
+  BlobData bytes = digest ? blobs_.find(*digest) : nullptr;
   if (!bytes) return nullptr;
-  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-  if (!scene) return nullptr;
   auto run = std::make_shared<BuildRun>();
   run->job = start.job();
   run->frame_id = start.frame_id();
-  run->scene = std::move(*scene);
+  run->scene_bytes = std::move(bytes);
   run->blobs = blobs_;
   run->frame = start.frame();
   return run;

@@ -41,7 +41,7 @@ class SceneCache {
   void keep(const v1::JobStart& start, std::shared_ptr<const TileRenderer> renderer);
 
   BlobStore& blobs() { return blobs_; }
-  /// What to build, once all blobs are here; null if the scene's bytes are none.
+  /// What to build, once all blobs are here; null if the scene's are not.
   std::shared_ptr<BuildRun> input(const v1::JobStart& start) const;
 
  private:

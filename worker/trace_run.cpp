@@ -7,11 +7,20 @@
 #include <utility>
 
 #include "base/cancellation.h"
+#include "base/error.h"
 #include "base/monotonic.h"
 #include "base/process_usage.h"
 #include "proto/wire/pixels.h"
+#include "proto/wire/scene_codec.h"
 
 namespace tessera {
+
+v1::Scene BuildRun::scene() const {
+  auto scene =
+      parse_scene({reinterpret_cast<const char*>(scene_bytes->data()), scene_bytes->size()});
+  if (!scene) throw scene_error("the scene's bytes are no scene");
+  return std::move(*scene);
+}
 
 TraceOutcome trace(std::shared_ptr<TraceRun> run) {
   TraceOutcome outcome;

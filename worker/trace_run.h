@@ -44,11 +44,15 @@ struct TraceOutcome {
 struct BuildRun {
   uint64_t job = 0;
   std::string frame_id{};  ///< as of JobStart
-  v1::Scene scene;
+  BlobData scene_bytes;
   BlobStore blobs;
   v1::FrameSettings frame;
   std::shared_ptr<const std::atomic<bool>> dropped{};  ///< as TraceRun::job_dropped
   mutable std::atomic<bool> started{false};            ///< by the thread that builds it
+
+  /// What the bytes are. May take seconds, of many nodes: for threads that build. Throws
+  /// scene_error() where they are no scene.
+  v1::Scene scene() const;
 };
 
 struct BuildOutcome {

@@ -309,7 +309,7 @@ void WorkerSession::fetch_more(Job& job, Time now) {
   if (!job.fetch.finished()) return;
   auto run = cache_.input(job.start);
   if (!run) {
-    return scene_failed(job, "the scene's bytes are no scene", v1::SceneFailed::BAD_SCENE);
+    return scene_failed(job, "the job's scene is not among its blobs", v1::SceneFailed::OTHER);
   }
   run->dropped = job.dropped;
   job.building = true;

@@ -235,11 +235,11 @@ void Simulation::perform(Worker& worker) {
         if (faults_.bad_scene) {
           outcome.failure = "simulated";
           outcome.cause = v1::SceneFailed::BAD_SCENE;
-        } else if (const auto why = cannot_build(run->scene)) {
+        } else if (const auto why = cannot_build(run->scene())) {
           outcome.failure = *why;
           outcome.cause = v1::SceneFailed::OUT_OF_RESOURCES;
         } else {
-          outcome.renderer = make_fake_renderer(run->scene, run->blobs, run->frame, 1);
+          outcome.renderer = make_fake_renderer(run->scene(), run->blobs, run->frame, 1);
         }
         builder->session->on_built(std::move(outcome), now_);
         perform(*builder);

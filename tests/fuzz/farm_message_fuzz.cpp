@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "base/error.h"
 #include "base/log.h"
 #include "client/job_client.h"
 #include "client/partial_film.h"
@@ -41,8 +42,12 @@ void perform(WorkerSession& session, Time now) {
     if (auto* build = std::get_if<StartBuild>(&action)) {
       BuildOutcome outcome;
       outcome.job = build->run->job;
-      outcome.renderer =
-          testing::make_fake_renderer(build->run->scene, build->run->blobs, build->run->frame, 1);
+      try {
+        outcome.renderer = testing::make_fake_renderer(build->run->scene(), build->run->blobs,
+                                                       build->run->frame, 1);
+      } catch (const Error& error) {
+        outcome.failure = error.what();
+      }
       session.on_built(std::move(outcome), now);
     } else if (auto* start = std::get_if<StartTrace>(&action)) {
       // A legal tile may be a whole frame of 2^28 pixels, which proves nothing more here.

@@ -92,6 +92,7 @@ TEST(RenderService, BuildsAndSaysWhyItCouldNot) {
   for (uint64_t job = 1; job <= 4; ++job) {
     auto run = std::make_shared<BuildRun>();
     run->job = job;
+    run->scene_bytes = make_blob({});
     service.build(run);
     waiter.wait();
     outcomes.push_back(*service.take_built());
@@ -103,6 +104,23 @@ TEST(RenderService, BuildsAndSaysWhyItCouldNot) {
   EXPECT_EQ(outcomes[2].cause, v1::SceneFailed::OUT_OF_RESOURCES);
   EXPECT_FALSE(outcomes[3].renderer);
   EXPECT_NE(outcomes[3].failure, "");
+}
+
+TEST(RenderService, SaysWhereTheBytesAreNoScene) {
+  Waiter waiter;
+  const auto factory = [](const v1::Scene&, const BlobStore&, const v1::FrameSettings&,
+                          int) -> std::shared_ptr<const TileRenderer> {
+    return std::make_shared<FakeRenderer>(1);
+  };
+  RenderService service(factory, 1, [&] { waiter.wake(); });
+  const auto run = std::make_shared<BuildRun>();
+  run->scene_bytes = make_blob(std::vector(3, std::byte{0xff}));
+  service.build(run);
+  waiter.wait();
+  const auto outcome = service.take_built();
+  EXPECT_FALSE(outcome->renderer);
+  EXPECT_EQ(outcome->cause, v1::SceneFailed::BAD_SCENE);
+  EXPECT_EQ(outcome->failure, "the scene's bytes are no scene");
 }
 
 TEST(RenderService, DropsABuildAndBeginsTheNext) {
@@ -119,6 +137,7 @@ TEST(RenderService, DropsABuildAndBeginsTheNext) {
   for (const uint32_t seed : {1u, 2u}) {
     auto run = std::make_shared<BuildRun>();
     run->job = seed;
+    run->scene_bytes = make_blob({});
     run->frame.set_seed(seed);
     if (seed == 1) run->dropped = dropped;
     service.build(run);

@@ -11,7 +11,7 @@ TEST_F(WorkerSessionTest, GoesFromHelloToBands) {
   serve_blobs();
   const auto builds = wants<StartBuild>();
   ASSERT_THAT(builds, SizeIs(1));
-  EXPECT_EQ(builds[0].run->scene.metadata().title(), "x");
+  EXPECT_EQ(builds[0].run->scene().metadata().title(), "x");
   built(7);
   EXPECT_EQ(sent(v1::Envelope::kSceneReady).at(0).scene_ready().job(), 7u);
   assign(7, 11);
