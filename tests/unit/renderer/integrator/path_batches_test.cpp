@@ -241,13 +241,13 @@ TEST_P(RandomPathBatches, FollowEachPathAsItIsFollowedAlone) {
       EXPECT_EQ(counts_of(together.counters, *scene), counts_of(state.counters, *scene));
     }
   }
-  EXPECT_GT(with_alpha, 5u);
-  EXPECT_GT(refracted, 100u);
-  EXPECT_GT(even, 10u);
-  EXPECT_GT(sampled, 3u);
-  EXPECT_GT(hits, 1'000u);
-  EXPECT_GT(shadows, 500u);
-  EXPECT_GT(ended, 30u);
+  EXPECT_GT(with_alpha, 10u);
+  EXPECT_GT(refracted, 125u);
+  EXPECT_GT(even, 12u);
+  EXPECT_GT(sampled, 6u);
+  EXPECT_GT(hits, 1'250u);
+  EXPECT_GT(shadows, 625u);
+  EXPECT_GT(ended, 37u);
 }
 
 TEST(PathBatches, SendsRaysThroughRasterPointsAsTheCameraDoes) {
