@@ -294,8 +294,8 @@ class Tracer:
         if shape is None:
             return None
         if isinstance(shape, str):
-            names = self._instance_names()
-            found = [i for i, name in enumerate(names) if name == named_text("shape", shape)]
+            wanted, names = named_text("shape", shape), self._instance_names()
+            found = [i for i, name in enumerate(names) if name == wanted]
             if not found:
                 raise UsageError(f"shape: {shape!r:.100}; expected one of `instances`"
                                  f"{nearest(shape, sorted(set(names)))}")
