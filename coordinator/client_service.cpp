@@ -161,7 +161,7 @@ void ClientService::tell_failure(uint64_t id, const std::string& why, Time now) 
 void ClientService::accept(Submission& submission, Time now) {
   const v1::SubmitJob& request = submission.request();
   const uint64_t id = request.submission();
-  jobs_.accept(request, submission.blobs());
+  jobs_.accept(request, submission.blobs(), submission.scenes());
   const Job& job = *jobs_.find_submission(id);
   const std::string name = request.name().empty() ? "" : " (" + printable(request.name()) + ")";
   spdlog::info("job {}{} has come: {} of {}x{} pixels, {} each, {} bytes of scene", job.id(), name,

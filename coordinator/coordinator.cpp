@@ -275,8 +275,8 @@ std::optional<FilmView> Coordinator::film(uint64_t job, uint32_t frame) {
   return jobs_->film(job, frame);
 }
 
-std::optional<JobSpec> Coordinator::spec(uint64_t job, uint32_t frame) {
-  return jobs_->spec(job, frame);
+std::optional<std::pair<BlobData, BlobStore>> Coordinator::scene(uint64_t job, uint32_t frame) {
+  return jobs_->scene(job, frame);
 }
 
 std::shared_ptr<const FrameTrace> Coordinator::trace(uint64_t job, uint32_t frame) const {

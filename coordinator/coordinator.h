@@ -107,9 +107,9 @@ class Coordinator {
   uint64_t news() const { return jobs_->accepted_count() + workers_->begun_count(); }
   /// The light so far of a frame that is being traced, or that of a client's frame that has ended.
   std::optional<FilmView> film(uint64_t job, uint32_t frame);
-  /// What a client's frame is traced from; nothing where there is no such frame. Throws Error where
-  /// the store has it no longer. Reads the store.
-  std::optional<JobSpec> spec(uint64_t job, uint32_t frame);
+  /// The scene of a client's frame with its blobs; nothing where there is no such frame. Throws
+  /// Error where the store has it no longer. Reads the store.
+  std::optional<std::pair<BlobData, BlobStore>> scene(uint64_t job, uint32_t frame);
   /// Of a frame that is being traced, or of the last ones that were; else null.
   std::shared_ptr<const FrameTrace> trace(uint64_t job, uint32_t frame) const;
   /// Asks and orders as a client does: cancel, pause, resume, priority. UNKNOWN: no such job.

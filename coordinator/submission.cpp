@@ -72,12 +72,13 @@ uint64_t Submission::read_scene(const Digest& digest, JobStore& store) {
   if (!bytes) throw render_error("a scene is damaged in the coordinator's store; submit it again");
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   const auto scene = parse_scene(text);
-  const auto blobs = scene ? referenced_blobs(*scene) : std::nullopt;
+  auto facts = scene ? facts_of(*scene) : std::nullopt;
   // Its digest names the scene only in the one form that all write.
-  if (!blobs || serialize_scene(*scene) != text)
+  if (!facts || serialize_scene(*scene) != text)
     throw scene_error("the submitted bytes are no scene");
-  for (const v1::BlobRef& blob : *blobs) want(*Digest::parse(blob.digest()), blob.size(), store);
+  for (const v1::BlobRef& ref : facts->blobs) want(*Digest::parse(ref.digest()), ref.size(), store);
   if (needed_.size() > kMaxBlobs) throw scene_error("a submission of too many blobs");
+  scenes_.emplace(digest, std::move(*facts));
   return bytes->size();
 }
 
@@ -100,6 +101,7 @@ void Submission::fail(v1::JobStatus how) {
   fetch_ = BlobFetch(request_.submission());
   pulled_ = {};
   unread_.clear();
+  scenes_.clear();
   claimed_bytes_ = 0;
 }
 

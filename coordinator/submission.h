@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/monotonic.h"
 #include "coordinator/jobs/job_store.h"
+#include "coordinator/jobs/packed_scene.h"
 #include "proto/tessera/v1/farm.pb.h"
 #include "proto/transport/transport.h"
 #include "proto/wire/blob_transfer.h"
@@ -37,6 +38,8 @@ class Submission {
   bool finished() const { return unread_.empty() && fetch_.finished(); }
   /// Of all its frames, the scenes among them; once it is finished.
   std::vector<Digest> blobs() const;
+  /// Its scenes, by digest; once it is finished.
+  const SceneFactsMap& scenes() const { return scenes_; }
 
   // For whoever keeps it.
   PeerId peer;
@@ -54,6 +57,7 @@ class Submission {
   BlobStore pulled_;
   std::deque<Digest> unread_;  ///< scenes
   std::unordered_set<Digest> needed_;
+  SceneFactsMap scenes_;
 };
 
 }  // namespace tessera

@@ -14,17 +14,11 @@
 #include "job/job_messages.h"
 #include "job/scene_motion.h"
 #include "job/tile_grid.h"
-#include "proto/wire/scene_codec.h"
 #include "proto/wire/shared_memory.h"
 #include "proto/wire/version.h"
 
 namespace tessera {
 namespace {
-
-std::vector<std::byte> as_bytes(std::string_view text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
 
 int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
                  const JobRules& rules) {
@@ -35,12 +29,12 @@ int tile_size_of(const JobSpec& spec, const std::vector<FinishedTile>& kept,
 }
 
 v1::JobStart start_of(const FrameName& name, const std::string& frame_id, const JobSpec& spec,
-                      const Digest& scene, uint64_t scene_size) {
+                      const PackedScene& scene) {
   v1::JobStart start;
   start.set_job(name.number);
   start.set_frame_id(frame_id);
-  start.set_scene_digest(scene.hex());
-  start.set_scene_size(scene_size);
+  start.set_scene_digest(scene.digest.hex());
+  start.set_scene_size(scene.bytes->size());
   // In the order of their names: the message is the same each time.
   std::vector<std::pair<Digest, uint64_t>> blobs;
   for (const auto& [digest, data] : spec.blobs.all()) blobs.emplace_back(digest, data->size());
@@ -64,42 +58,42 @@ Digest tile_key(const Digest& scene, const v1::FrameSettings& frame, const Pixel
                                 crop.x0, crop.y0, crop.x1, crop.y1, kNumericsId));
 }
 
-ActiveFrame::Prepared::Prepared(const JobSpec& spec, TileStore* store)
-    : scene(as_bytes(serialize_scene(spec.scene))),
-      digest(Digest::of(scene)),
-      key(tile_key(digest, settled(spec.frame, moves(spec.scene)), spec.crop)) {
-  if (store) kept = store->find(key);
+ActiveFrame::KeptTiles ActiveFrame::find_kept(const JobSpec& spec, const PackedScene& scene,
+                                              TileStore* store) {
+  KeptTiles kept{tile_key(scene.digest, settled(spec.frame, scene.moves), spec.crop)};
+  if (store) kept.tiles = store->find(kept.key);
+  return kept;
 }
 
-ActiveFrame::ActiveFrame(const FrameName& name, JobSpec spec, const TileKeeping& keeping,
-                         const JobRules& rules, WorkerKeys& keys, Time now, SceneFailures failures)
-    : ActiveFrame(name, spec, Prepared(spec, keeping.store.get()), keeping, rules, keys, now,
-                  std::move(failures)) {}
-
-ActiveFrame::ActiveFrame(const FrameName& name, JobSpec& spec, Prepared prepared,
+ActiveFrame::ActiveFrame(const FrameName& name, JobSpec spec, const PackedScene& scene,
                          const TileKeeping& keeping, const JobRules& rules, WorkerKeys& keys,
                          Time now, SceneFailures failures)
+    : ActiveFrame(name, spec, scene, find_kept(spec, scene, keeping.store.get()), keeping, rules,
+                  keys, now, std::move(failures)) {}
+
+ActiveFrame::ActiveFrame(const FrameName& name, JobSpec& spec, const PackedScene& scene,
+                         const KeptTiles& kept, const TileKeeping& keeping, const JobRules& rules,
+                         WorkerKeys& keys, Time now, SceneFailures failures)
     : id_(name.number),
       keeping_(keeping),
       keys_(keys),
-      key_(prepared.key),
-      tile_size_(tile_size_of(spec, prepared.kept, rules)),
+      key_(kept.key),
+      tile_size_(tile_size_of(spec, kept.tiles, rules)),
       samples_(spec.frame.samples_per_pixel()),
       assembler_(spec.crop, cut_tiles(spec.crop, tile_size_), AovSet(spec.frame.aovs())),
       scheduler_(assembler_.tiles(), tile_size_, rules, &keys),
       verifier_(assembler_.tiles().size(), rules.verify, rules.verify_key ^ id_, &keys),
       begun_(now),
       scene_failures_(std::move(failures)) {
-  start_ = start_of(name, frame_id_of(name.job_id, id_, key_, tile_size_), spec, prepared.digest,
-                    prepared.scene.size());
+  start_ = start_of(name, frame_id_of(name.job_id, id_, key_, tile_size_), spec, scene);
   blobs_ = std::move(spec.blobs);
   if (rules.shared_by_process != 0) share_large_blobs(blobs_);
-  blobs_.put(prepared.digest, make_blob(std::move(prepared.scene)));
+  blobs_.put(scene.digest, scene.bytes);
   report_.tiles_total = assembler_.tiles().size();
   for (uint32_t tile = 0; tile < report_.tiles_total && rules.verify > 0; ++tile) {
     if (verifier_.selects(tile)) scheduler_.keep_whole(tile);
   }
-  restore(prepared.kept);
+  restore(kept.tiles);
 }
 
 void ActiveFrame::restore(const std::vector<FinishedTile>& kept) {

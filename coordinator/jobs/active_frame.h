@@ -13,6 +13,7 @@
 #include "base/monotonic.h"
 #include "coordinator/jobs/farm_snapshot.h"
 #include "coordinator/jobs/job_rules.h"
+#include "coordinator/jobs/packed_scene.h"
 #include "coordinator/tiles/assembler.h"
 #include "coordinator/tiles/tile_scheduler.h"
 #include "coordinator/tiles/tile_store.h"
@@ -65,10 +66,11 @@ struct TileKeeping {
 /// and its numbers.
 class ActiveFrame {
  public:
-  /// `spec` has passed check_job(). `keys` must outlive this. `failures`: what happened to workers
-  /// that tried before.
-  ActiveFrame(const FrameName& name, JobSpec spec, const TileKeeping& keeping,
-              const JobRules& rules, WorkerKeys& keys, Time now, SceneFailures failures = {});
+  /// `spec`, whose scene is not read, has passed check_job(). `keys` must outlive this. `failures`:
+  /// what happened to workers that tried before.
+  ActiveFrame(const FrameName& name, JobSpec spec, const PackedScene& scene,
+              const TileKeeping& keeping, const JobRules& rules, WorkerKeys& keys, Time now,
+              SceneFailures failures = {});
 
   uint64_t id() const { return id_; }
   /// As of JobStart: what workers say of this frame they say under it.
@@ -179,15 +181,14 @@ class ActiveFrame {
   JobResult finish();
 
  private:
-  /// The scene as workers get it, and what is kept of its tiles.
-  struct Prepared {
-    Prepared(const JobSpec& spec, TileStore* store);
-    std::vector<std::byte> scene;
-    Digest digest, key;
-    std::vector<FinishedTile> kept{};
+  struct KeptTiles {
+    Digest key;
+    std::vector<FinishedTile> tiles{};
   };
-  ActiveFrame(const FrameName& name, JobSpec& spec, Prepared prepared, const TileKeeping& keeping,
-              const JobRules& rules, WorkerKeys& keys, Time now, SceneFailures failures);
+  static KeptTiles find_kept(const JobSpec& spec, const PackedScene& scene, TileStore* store);
+  ActiveFrame(const FrameName& name, JobSpec& spec, const PackedScene& scene, const KeptTiles& kept,
+              const TileKeeping& keeping, const JobRules& rules, WorkerKeys& keys, Time now,
+              SceneFailures failures);
   void restore(const std::vector<FinishedTile>& kept);
   void note_cost(const v1::TileBand& band);
   /// Lets a complete tile outlive this process.

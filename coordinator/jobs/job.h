@@ -88,6 +88,8 @@ class Job {
   void note_worker(WorkerId worker);
   /// Tries again all that is held.
   void release();
+  /// Of its frames; those of a job that was taken up from the store once they are needed.
+  SceneFactsMap& scenes() { return scenes_; }
   /// What went wrong at workers with the scene of a frame that has not ended.
   std::map<uint32_t, SceneFailures>& scene_failures() { return scene_failures_; }
   /// How long the frame is to wait after the next failure to begin: longer each time, until it is
@@ -159,6 +161,7 @@ class Job {
   std::map<uint32_t, uint64_t> stored_;  ///< tiles, by frame
   std::map<uint32_t, Hold> holds_;       ///< by frame
   std::map<uint32_t, int> pauses_;       ///< by frame
+  SceneFactsMap scenes_;
   std::map<uint32_t, SceneFailures> scene_failures_;  ///< by frame
   std::map<uint32_t, ExpectedFilm> expected_films_;   ///< by frame
 };

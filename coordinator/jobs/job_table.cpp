@@ -18,7 +18,6 @@
 #include "job/scene_motion.h"
 #include "job/tile_grid.h"
 #include "proto/wire/printable.h"
-#include "proto/wire/scene_codec.h"
 
 namespace tessera {
 namespace {
@@ -254,7 +253,8 @@ std::optional<JobResult> JobTable::take_result(uint64_t frame) {
 
 // ------------------------------------------------------------------------------ jobs of clients
 
-void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs) {
+void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs,
+                      SceneFactsMap scenes) {
   if (jobs_.size() >= kMaxJobs) {
     throw render_error(
         fmt::format("the coordinator has {} jobs; expected fewer: forget some", jobs_.size()));
@@ -263,15 +263,12 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs) {
   JobSpec probe;
   probe.crop = rect_of(request.crop());
   probe.tile_size = static_cast<int>(std::min<uint32_t>(request.tile_size(), kMaxFrameSide));
-  std::map<std::string, bool> scene_moves;
   for (const v1::JobFrame& frame : request.frames()) {
     probe.frame = frame.settings();
     check_job(probe);
-    const auto [moving, fresh] = scene_moves.try_emplace(frame.scene_digest(), true);
-    if (fresh) moving->second = moves(load_scene(frame.scene_digest()));
-    kept.add_tile_keys(tile_key(Digest::from_hex(frame.scene_digest()),
-                                settled(frame.settings(), moving->second), probe.crop)
-                           .hex());
+    const Digest scene = Digest::from_hex(frame.scene_digest());
+    kept.add_tile_keys(
+        tile_key(scene, settled(frame.settings(), scenes.at(scene).moves), probe.crop).hex());
   }
   if (request.frames().empty()) throw usage_error("a job without frames; expected at least one");
   if (probe.tile_size == 0) {
@@ -286,6 +283,7 @@ void JobTable::accept(v1::SubmitJob request, const std::vector<Digest>& blobs) {
   store_->save(kept);
   ++last_job_;
   auto job = std::make_unique<Job>(std::move(kept));
+  job->scenes() = std::move(scenes);
   by_submission_[job->request().submission()] = job->id();
   count_stored(*job);
   add(std::move(job));

@@ -43,9 +43,9 @@ class JobTable {
   const ActiveFrame* running(uint64_t frame) const;
 
   // Jobs of clients.
-  /// Takes a submission whose blobs are in the store. Throws Error where it cannot be rendered or
-  /// kept.
-  void accept(v1::SubmitJob request, const std::vector<Digest>& blobs);
+  /// Takes a submission whose blobs are in the store; `scenes` has those of its frames. Throws
+  /// Error where it cannot be rendered or kept.
+  void accept(v1::SubmitJob request, const std::vector<Digest>& blobs, SceneFactsMap scenes);
   Job* find(uint64_t job);
   Job* find_submission(uint64_t submission);
   const std::map<uint64_t, std::unique_ptr<Job>>& all() const { return jobs_; }
@@ -133,9 +133,9 @@ class JobTable {
     ActiveFrame* of = nullptr;
   };
   FoundBlob find_blob(const Digest& digest);
-  /// What a client's frame is traced from; nothing where there is no such frame. Throws Error where
-  /// the store has it no longer.
-  std::optional<JobSpec> spec(uint64_t job, uint32_t frame);
+  /// The scene of a client's frame with its blobs; nothing where there is no such frame. Throws
+  /// Error where the store has it no longer.
+  std::optional<std::pair<BlobData, BlobStore>> scene(uint64_t job, uint32_t frame);
 
  private:
   static FilmShelf::Recipe recipe_of(const v1::KeptJob& kept, uint32_t frame);
@@ -187,10 +187,10 @@ class JobTable {
   void file_end(Job& job, uint32_t frame, v1::JobEnd end);
   JobRules rules_for(const Job& job) const;
   TileKeeping keeping_of(const Job& job) const;
-  JobSpec spec_of(Job& job, uint32_t frame);
   // Of the store; each throws where they are not there, or not what they should be.
   BlobData load_blob(const std::string& hex);
-  v1::Scene load_scene(const std::string& hex);
+  PackedScene load_scene(Job& job, uint32_t frame);
+  BlobStore load_blobs_of(Job& job, const PackedScene& scene);
   /// What the tiles of the frame before took; null: there is none.
   const TileCosts* earlier_costs(const Job& job) const;
 

@@ -211,11 +211,27 @@ BlobData JobTable::load_blob(const std::string& hex) {
   return data;
 }
 
-v1::Scene JobTable::load_scene(const std::string& hex) {
-  const BlobData bytes = load_blob(hex);
-  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-  if (!scene) throw scene_error("the submitted bytes are no scene");
-  return std::move(*scene);
+PackedScene JobTable::load_scene(Job& job, uint32_t frame) {
+  const std::string& hex = job.request().frames(static_cast<int>(frame)).scene_digest();
+  PackedScene scene{load_blob(hex), Digest::from_hex(hex)};
+  auto known = job.scenes().find(scene.digest);
+  if (known == job.scenes().end()) {
+    const auto read =
+        parse_scene({reinterpret_cast<const char*>(scene.bytes->data()), scene.bytes->size()});
+    auto facts = read ? facts_of(*read) : std::nullopt;
+    if (!facts) throw scene_error("the submitted bytes are no scene");
+    known = job.scenes().emplace(scene.digest, std::move(*facts)).first;
+  }
+  scene.moves = known->second.moves;
+  return scene;
+}
+
+BlobStore JobTable::load_blobs_of(Job& job, const PackedScene& scene) {
+  BlobStore blobs;
+  for (const v1::BlobRef& ref : job.scenes().at(scene.digest).blobs) {
+    blobs.put(Digest::from_hex(ref.digest()), load_blob(ref.digest()));
+  }
+  return blobs;
 }
 
 const TileCosts* JobTable::earlier_costs(const Job& job) const {
@@ -232,23 +248,6 @@ JobRules JobTable::rules_for(const Job& job) const {
 
 TileKeeping JobTable::keeping_of(const Job& job) const {
   return job.local() ? TileKeeping{job.local_tiles(), false} : TileKeeping{store_, true};
-}
-
-JobSpec JobTable::spec_of(Job& job, uint32_t frame) {
-  if (job.local()) return job.take_local_spec();
-  const v1::SubmitJob& request = job.request();
-  const v1::JobFrame& wanted = request.frames(static_cast<int>(frame));
-  JobSpec spec;
-  spec.scene = load_scene(wanted.scene_digest());
-  const auto refs = referenced_blobs(spec.scene);
-  for (const v1::BlobRef& ref : refs.value_or(std::vector<v1::BlobRef>())) {
-    spec.blobs.put(Digest::from_hex(ref.digest()), load_blob(ref.digest()));
-  }
-  spec.frame = wanted.settings();
-  spec.crop = rect_of(request.crop());
-  spec.tile_size = static_cast<int>(request.tile_size());
-  check_job(spec);
-  return spec;
 }
 
 void JobTable::begin(Job& job, uint32_t frame, Time now, Changes& changes) {
@@ -316,11 +315,19 @@ void JobTable::hold(Job& job, uint32_t frame, Job::Hold hold) {
 std::unique_ptr<ActiveFrame> JobTable::make_active(Job& job, uint32_t frame, Time now) {
   const FrameName name{frame_number(job.id(), frame), job.kept().id()};
   if (job.local()) {
-    return std::make_unique<ActiveFrame>(name, job.take_local_spec(), keeping_of(job),
+    JobSpec spec = job.take_local_spec();
+    const PackedScene scene = pack_scene(spec.scene);
+    return std::make_unique<ActiveFrame>(name, std::move(spec), scene, keeping_of(job),
                                          rules_for(job), *keys_, now);
   }
   if (!has_frame(job.kept(), frame)) throw render_error("what the store has of it is damaged");
-  JobSpec spec = spec_of(job, frame);
+  const PackedScene scene = load_scene(job, frame);
+  JobSpec spec;
+  spec.blobs = load_blobs_of(job, scene);
+  spec.frame = job.request().frames(static_cast<int>(frame)).settings();
+  spec.crop = rect_of(job.request().crop());
+  spec.tile_size = static_cast<int>(job.request().tile_size());
+  check_job(spec);
   const auto expected = job.expected_films().find(frame);
   if (expected != job.expected_films().end() && expected->second.drop_tiles) {
     store_->drop_all(Digest::from_hex(job.kept().tile_keys(static_cast<int>(frame))));
@@ -329,8 +336,8 @@ std::unique_ptr<ActiveFrame> JobTable::make_active(Job& job, uint32_t frame, Tim
     expected->second.dropped = true;
   }
   auto active =
-      std::make_unique<ActiveFrame>(name, std::move(spec), keeping_of(job), rules_for(job), *keys_,
-                                    now, job.scene_failures()[frame]);
+      std::make_unique<ActiveFrame>(name, std::move(spec), scene, keeping_of(job), rules_for(job),
+                                    *keys_, now, job.scene_failures()[frame]);
   if (active->key().hex() != job.kept().tile_keys(static_cast<int>(frame))) {
     change_key(job, frame, active->key());
   }
@@ -502,10 +509,11 @@ std::string JobTable::store_trouble() const {
   return "";
 }
 
-std::optional<JobSpec> JobTable::spec(uint64_t id, uint32_t frame) {
+std::optional<std::pair<BlobData, BlobStore>> JobTable::scene(uint64_t id, uint32_t frame) {
   Job* const job = find(id);
   if (!job || job->local() || frame >= job->frame_count()) return std::nullopt;
-  return spec_of(*job, frame);
+  const PackedScene scene = load_scene(*job, frame);
+  return std::pair(scene.bytes, load_blobs_of(*job, scene));
 }
 
 JobTable::FoundBlob JobTable::find_blob(const Digest& digest) {

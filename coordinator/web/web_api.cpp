@@ -350,10 +350,10 @@ void WebApi::show_picture(uint64_t job, uint32_t frame, const HttpReply& reply) 
 void WebApi::show_scene(uint64_t job, uint32_t frame, SceneEncoding form, const HttpReply& reply) {
   const auto question = [job, frame, form, reply](Coordinator& coordinator, Time) {
     try {
-      auto spec = coordinator.spec(job, frame);
-      if (!spec) return reply([] { return http_error(404, "there is no such frame"); });
+      auto scene = coordinator.scene(job, frame);
+      if (!scene) return reply([] { return http_error(404, "there is no such frame"); });
       uint64_t bytes = 0;
-      for (const auto& [digest, blob] : spec->blobs.all()) bytes += blob->size();
+      for (const auto& [digest, blob] : scene->second.all()) bytes += blob->size();
       if (bytes > kMaxEmbeddedBlobBytes) {
         return reply([bytes] {
           return http_error(413, fmt::format("the scene has {} MB of meshes and textures; expected "
@@ -361,8 +361,12 @@ void WebApi::show_scene(uint64_t job, uint32_t frame, SceneEncoding form, const 
                                              bytes >> 20, kMaxEmbeddedBlobBytes >> 20));
         });
       }
-      reply([form, spec = std::make_shared<const JobSpec>(std::move(*spec))] {
-        return file("application/octet-stream", encode_scene(spec->scene, spec->blobs, form));
+      reply([form, scene = std::move(*scene)] {
+        const auto& [packed, blobs] = scene;
+        const auto read =
+            parse_scene({reinterpret_cast<const char*>(packed->data()), packed->size()});
+        if (!read) return http_error(503, "the stored bytes are no scene");
+        return file("application/octet-stream", encode_scene(*read, blobs, form));
       });
     } catch (const std::exception& error) {
       reply([why = std::string(error.what())] { return http_error(503, why); });
