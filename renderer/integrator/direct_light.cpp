@@ -18,7 +18,7 @@ bool sees_over_facet(const SurfacePoint& point, const Vec3& wi) {
 /// The stretch between a point and a light on which occluders count.
 [[gnu::always_inline]] inline Ray shadow_ray(const SurfacePoint& point, RayOrigins& origins,
                                              const Light& light, const LightSample& sample) {
-  const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
+  const bool placed = light.is_placed();
   double t_max = placed ? 1 : sample.distance;
   if (std::isfinite(light.shadow_distance)) {
     t_max = std::min(t_max, light.shadow_distance / (placed ? sample.distance : 1));

@@ -49,12 +49,12 @@ inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes pat
 /// sample_light(); a bit for each point that it reaches.
 HWY_INLINE uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
                            LightSample& sample) {
-  if (light.kind == LightKind::directional) {
+  if (light.has_beam()) return sample_shaped(light, point, path_length, sample);
+  if (!light.is_placed()) {
     sample = {broadcast(-light.direction), broadcast(std::numeric_limits<double>::infinity()),
               broadcast(1)};
     return ~0u;
   }
-  if (light.kind != LightKind::point) return sample_shaped(light, point, path_length, sample);
   const LaneMask is_elsewhere = sample_place(broadcast(light.position) - point, sample);
   return movemask(both(is_elsewhere, attenuate(light, path_length, sample)));
 }

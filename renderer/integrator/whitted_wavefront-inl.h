@@ -405,9 +405,6 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     uint8_t bundle[RayBatch::kMost], lane[RayBatch::kMost];
 
     ShadowRays(const Light& of, uint32_t number) : light(of), index(number) { row.begin(); }
-    bool is_placed() const {
-      return light.kind == LightKind::point || light.kind == LightKind::spot;
-    }
   };
 
   /// LightBuffer::has_answers().
@@ -471,7 +468,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     }
     if (asked == 0) return;
     const Light& light = rays.light;
-    const bool placed = rays.is_placed();
+    const bool placed = rays.light.is_placed();
     const Lanes3 place = broadcast(light.position);
     const Lanes3 origins = shadow_origin(bundle, sampled.wi, placed ? place - s.point : sampled.wi);
     const Lanes3 ways = placed ? place - origins : sampled.wi;

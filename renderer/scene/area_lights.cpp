@@ -44,7 +44,7 @@ class Samplers {
     const Transform& to_world = instance.world_from_object;
     if (mesh == nullptr) {
       if (slot > 0) return nullptr;
-      return make_surface_sampler(*instance.shape, to_world, instance.flip_normals);
+      return instance.shape->make_sampler(to_world, instance.flip_normals);
     }
     const bool has_backs = instance.cull == Cull::none;
     auto& triangles = triangles_[{mesh, slot, has_backs}];

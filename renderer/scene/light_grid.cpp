@@ -17,8 +17,7 @@ constexpr int kMostCells = 32;
 constexpr double kMargin = 1e-9;
 
 bool ends(const Light& light) {
-  const bool is_placed = light.kind == LightKind::point || light.kind == LightKind::spot;
-  return is_placed && std::isfinite(light.radius / light.frame_scale) &&
+  return light.is_placed() && std::isfinite(light.radius / light.frame_scale) &&
          (light.ambient_attenuated || is_black(light.ambient));
 }
 

@@ -31,9 +31,8 @@ bool fit_a_row(std::span<const Instance> instances) {
 }
 
 LightBuffer buffer_of(const Light& light, const BoxSoA& row) {
-  const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
-  return placed ? LightBuffer::of_place(row, light.position)
-                : LightBuffer::of_direction(row, light.direction);
+  return light.is_placed() ? LightBuffer::of_place(row, light.position)
+                           : LightBuffer::of_direction(row, light.direction);
 }
 
 }  // namespace
@@ -82,9 +81,7 @@ bool shades_nothing(const Instance& instance, std::span<const Light> lights) {
   constexpr double kClearly = 1e-9;  // far above the rounding of what follows
   return std::all_of(lights.begin(), lights.end(), [&](const Light& light) {
     if (!light.casts_shadow) return true;
-    if (light.kind == LightKind::directional || light.kind == LightKind::cylinder) {
-      return dot(plane.normal(), light.direction) < -kClearly;
-    }
+    if (!light.is_placed()) return dot(plane.normal(), light.direction) < -kClearly;
     const double height = plane.signed_distance(light.position);
     return height > kClearly * (std::abs(height) + length(light.position - Point3{}));
   });

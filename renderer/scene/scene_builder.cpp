@@ -19,6 +19,7 @@
 #include "renderer/scene/scene_graph.h"
 #include "renderer/scene/seen_rect.h"
 #include "renderer/shading/media.h"
+#include "renderer/shapes/outline_points.h"
 
 namespace tessera {
 
@@ -133,7 +134,7 @@ class SceneBuilder {
     for (const uint32_t shape : instance_shapes_) most += outline_limit(shapes_[shape]);
     std::vector<std::vector<Point3>> outlines;
     for (size_t i = 0; i < shapes_.size(); ++i)
-      outlines.push_back(outline(*graph_.shapes[i].shape, shapes_[i], most <= kMostPoints));
+      outlines.push_back(outline(shapes_[i], most <= kMostPoints));
     const bool by_one_box = kCorners * scene_->instances.size() > kMostPoints;
     Bounds3 all;
     std::vector<Point3> points;

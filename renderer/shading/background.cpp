@@ -71,8 +71,7 @@ Color rings_radiance(const Background& background, const Vec3& d) {
 double glow_towards(const Point3& origin, const Vec3& d, std::span<const Light> lights) {
   double sum = 0;
   for (const Light& light : lights) {
-    const bool placed = light.kind == LightKind::point || light.kind == LightKind::spot;
-    const Vec3 to_light = placed ? light.position - origin : -light.direction;
+    const Vec3 to_light = light.is_placed() ? light.position - origin : -light.direction;
     if (length_squared(to_light) > 0) sum += std::max(0.0, dot(d, normalize(to_light)));
   }
   return sum;

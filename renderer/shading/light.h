@@ -41,6 +41,11 @@ struct Light {
   bool casts_shadow = true;
   double shadow_intensity = 1;  ///< share that an occluder takes
   double shadow_distance = std::numeric_limits<double>::infinity();  ///< metres of the world
+
+  /// Whether all of it comes from `position`; else it comes along `direction`.
+  bool is_placed() const { return kind == LightKind::point || kind == LightKind::spot; }
+  /// Whether it goes out within a beam alone.
+  bool has_beam() const { return kind == LightKind::spot || kind == LightKind::cylinder; }
 };
 
 #include "renderer/shading/light-inl.h"

@@ -29,6 +29,12 @@ inline double area_growth(const Affine& m, const Vec3& normal) {
   return std::abs(m.determinant()) / length(before);
 }
 
+/// `normal` of a shape as it stands in the world; unit.
+inline Vec3 unit_normal(const Transform& world_from_object, const Vec3& normal, bool flip) {
+  const Vec3 n = normalize(static_cast<Vec3>(world_from_object.normal(to_normal(normal))));
+  return flip ? -n : n;
+}
+
 /// A bound of what rounding makes of a point of a shape that reaches so far.
 inline Vec3 rounding_of(const Point3& p, double extent) {
   return Vec3{gamma(6) * (std::abs(p.x) + extent), gamma(6) * (std::abs(p.y) + extent),

@@ -1,6 +1,7 @@
 #include "renderer/shapes/box.h"
 
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/triangle_sampler.h"
 
 namespace tessera {
 namespace {
@@ -32,6 +33,24 @@ bool cross_box(const Bounds3& box, const Ray& ray, Crossing& enter, Crossing& le
     leave.face = leaves ? first + 1 - down : leave.face;
   }
   return enter.face < 6 && enter.t <= leave.t;
+}
+
+/// Two triangles a face, counter-clockwise seen from outside.
+void add_faces(const Bounds3& extent, TriangleSet& triangles) {
+  const Vec3 size = extent.diagonal();
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    Vec3 across, u, v;
+    across[axis] = size[axis];
+    u[next] = size[next];
+    v[last] = size[last];
+    const auto add = [&](const Point3& p, const Vec3& s, const Vec3& t) {
+      triangles.add({p, p + s, p + s + t});
+      triangles.add({p, p + s + t, p + t});
+    };
+    add(extent.min + across, u, v);
+    add(extent.min, v, u);
+  }
 }
 
 }  // namespace
@@ -79,6 +98,13 @@ LocalSurface Box::surface(const Ray& ray, const Hit& hit) const {
   along(right, s.uv.x, s.dpdu);
   along(up, s.uv.y, s.dpdv);
   return s;
+}
+
+std::unique_ptr<const SurfaceSampler> Box::make_sampler(const Transform& world_from_object,
+                                                        bool flip_normals) const {
+  const auto triangles = std::make_shared<TriangleSet>();
+  add_faces(extent_, *triangles);
+  return make_triangle_sampler(triangles, world_from_object, flip_normals);
 }
 
 }  // namespace tessera

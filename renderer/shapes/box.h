@@ -14,6 +14,9 @@ class Box final : public ConvexSolid {
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
   size_t primitive_count() const override { return 6; }
+  /// By area.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
 
  private:
   Bounds3 extent_;

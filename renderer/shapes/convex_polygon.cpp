@@ -6,6 +6,7 @@
 #include "base/plural.h"
 #include "renderer/shapes/planar.h"
 #include "renderer/shapes/projected_edge.h"
+#include "renderer/shapes/triangle_sampler.h"
 
 namespace tessera {
 namespace {
@@ -122,6 +123,14 @@ LocalSurface ConvexPolygon::surface(const Ray& ray, const Hit& hit) const {
   s.dpdu = dpdu_;
   s.dpdv = dpdv_;
   return s;
+}
+
+std::unique_ptr<const SurfaceSampler> ConvexPolygon::make_sampler(
+    const Transform& world_from_object, bool flip_normals) const {
+  const auto triangles = std::make_shared<TriangleSet>();
+  for (size_t i = 2; i < points_.size(); ++i)
+    triangles->add({points_[0], points_[i - 1], points_[i]});
+  return make_triangle_sampler(triangles, world_from_object, flip_normals);
 }
 
 Rectangle::Rectangle(const Point3& corner, const Vec3& edge_u, const Vec3& edge_v)

@@ -25,6 +25,9 @@ class ConvexPolygon final : public Shape {
   Bounds3 bounds() const override { return bounds_; }
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
+  /// By area.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
 
  private:
   std::vector<Point3> points_;
@@ -52,7 +55,12 @@ class Rectangle final : public Shape {
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   /// Also a lane each in lane_surface-inl.h, to the bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
-  /// The same for a ray that is known to be inside the edges where it meets the plane.
+  /// By solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for Spherical
+  /// Rectangles") where it is near; else, or where it is no rectangle, about so, by densities that
+  /// are linear along both edges.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
+  /// closest_hit() for a ray that is known to be inside the edges where it meets the plane.
   bool closest_hit_inside(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
   bool any_hit_inside(const Ray& ray, TraversalCounters& counters) const;
   /// What is hit at `t`, of the instance of `hit`.

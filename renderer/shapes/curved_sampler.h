@@ -1,26 +1,42 @@
 #pragma once
 
-#include <memory>
-
 #include "renderer/math/transform.h"
-#include "renderer/shapes/frustum.h"
 #include "renderer/shapes/surface_sampler.h"
 
 namespace tessera {
 
-// Points spread evenly over curved surfaces in their own frame; a transform that is no similarity
-// spreads them unevenly.
+/// In the shape's frame.
+struct CurvedPoint {
+  Point3 point;
+  Vec3 normal;  ///< unit; out
+};
 
-std::unique_ptr<const SurfaceSampler> make_ellipsoid_sampler(const Point3& center, double radius,
-                                                             const Transform& world_from_object,
-                                                             bool flip_normals);
-/// Of the parts that are there; null where none has an area.
-std::unique_ptr<const SurfaceSampler> make_frustum_sampler(const FrustumParts& parts,
-                                                           const Transform& world_from_object,
-                                                           bool flip_normals);
-/// Null for a spindle, where some of it lies inside.
-std::unique_ptr<const SurfaceSampler> make_torus_sampler(double major_radius, double minor_radius,
-                                                         const Transform& world_from_object,
-                                                         bool flip_normals);
+/// Spreads points evenly over a curved surface in its own frame: each shape gives its points. A
+/// transform that is no similarity spreads them unevenly.
+class CurvedSampler : public SurfaceSampler {
+ public:
+  /// `area` and `box` in the shape's frame.
+  CurvedSampler(double area, const Bounds3& box, const Transform& to_world, bool flip)
+      : own_area_(area),
+        to_world_(to_world),
+        flip_(flip),
+        bounds_(to_world.bounds(box)),
+        reach_(length(bounds_.diagonal())) {}
+  double sample(const LitPoint& from, const Vec2& u, SurfaceSample& sample) const override;
+  double density(const LitPoint& from, const Point3& there, const Vec3& normal,
+                 uint32_t) const override;
+  /// About, where the transform is no similarity.
+  double area() const override;
+  Bounds3 bounds() const override { return bounds_; }
+
+ private:
+  virtual CurvedPoint choose(const Vec2& u) const = 0;
+
+  double own_area_;
+  Transform to_world_;
+  bool flip_;
+  Bounds3 bounds_;
+  double reach_;
+};
 
 }  // namespace tessera

@@ -18,6 +18,10 @@ class Disc final : public Shape {
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
+  /// By area.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
+  std::vector<Point3> outline() const override;
 
  private:
   Point3 center_;

@@ -6,6 +6,9 @@
 #include "base/error.h"
 #include "renderer/math/elementary.h"
 #include "renderer/math/rounding.h"
+#include "renderer/math/warp.h"
+#include "renderer/shapes/curved_sampler.h"
+#include "renderer/shapes/outline_points.h"
 
 namespace tessera {
 namespace {
@@ -16,6 +19,76 @@ Vec3 outward(const Point3& p) {
   if (!(r > 0)) return {1, 0, 0};
   return {p.x / r, 0, p.z / r};
 }
+
+constexpr double kTurn = 2 * portable::kPi;
+
+/// What it is made of.
+struct FrustumParts {
+  double bottom_radius = 0, top_radius = 0, half_height = 0;
+  OpenParts open;
+};
+
+class FrustumSampler final : public CurvedSampler {
+ public:
+  FrustumSampler(const FrustumParts& parts, const Transform& to_world, bool flip)
+      : CurvedSampler(area_of(parts), box_of(parts), to_world, flip), parts_(parts) {}
+  static double area_of(const FrustumParts& parts) {
+    return side_area(parts) + top_area(parts) + bottom_area(parts);
+  }
+
+ private:
+  static Bounds3 box_of(const FrustumParts& p) {
+    const double across = std::max(p.bottom_radius, p.top_radius);
+    return {{-across, -p.half_height, -across}, {across, p.half_height, across}};
+  }
+  static double slant(const FrustumParts& p) {
+    return std::hypot(2 * p.half_height, p.bottom_radius - p.top_radius);
+  }
+  static double side_area(const FrustumParts& p) {
+    return p.open.side ? 0 : kTurn / 2 * (p.bottom_radius + p.top_radius) * slant(p);
+  }
+  static double top_area(const FrustumParts& p) {
+    return p.open.top ? 0 : kTurn / 2 * p.top_radius * p.top_radius;
+  }
+  static double bottom_area(const FrustumParts& p) {
+    return p.open.bottom ? 0 : kTurn / 2 * p.bottom_radius * p.bottom_radius;
+  }
+  CurvedPoint choose(const Vec2& u) const override {
+    double at = u.x * area_of(parts_);
+    const auto is_in = [&](double area) {
+      if (at < area) {
+        at = std::min(at / area, 0x1.fffffffffffffp-1);
+        return true;
+      }
+      at -= area;
+      return false;
+    };
+    if (is_in(side_area(parts_))) return on_side({at, u.y});
+    if (is_in(top_area(parts_))) return on_cap({at, u.y}, parts_.top_radius, 1);
+    if (is_in(bottom_area(parts_))) return on_cap({at, u.y}, parts_.bottom_radius, -1);
+    return parts_.open.side ? on_cap(u, parts_.open.top ? parts_.bottom_radius : parts_.top_radius,
+                                     parts_.open.top ? -1 : 1)
+                            : on_side(u);  // past the last by rounding
+  }
+  /// As many points at each height as its circle is long.
+  CurvedPoint on_side(const Vec2& u) const {
+    const double r0 = parts_.bottom_radius, r1 = parts_.top_radius;
+    const double radius = std::sqrt(r0 * r0 + u.x * (r1 * r1 - r0 * r0));
+    // The share of the height.
+    const double up = r0 + radius > 0 ? u.x * (r0 + r1) / (r0 + radius) : 0;
+    const double azimuth = kTurn * u.y;
+    const double x = portable::cos(azimuth), z = portable::sin(azimuth);
+    const double height = 2 * parts_.half_height, along = height / slant(parts_);
+    return {{radius * x, parts_.half_height * (2 * up - 1), radius * z},
+            {along * x, (r0 - r1) / slant(parts_), along * z}};
+  }
+  CurvedPoint on_cap(const Vec2& u, double radius, double side) const {
+    const Vec2 d = disc_point(u);
+    return {{radius * d.x, side * parts_.half_height, radius * d.y}, {0, side, 0}};
+  }
+
+  FrustumParts parts_;
+};
 
 }  // namespace
 
@@ -214,6 +287,21 @@ LocalSurface Frustum::surface(const Ray& ray, const Hit& hit) const {
   else
     cap_surface(ray.at(hit.t), hit.primitive == kTop, s);
   return s;
+}
+
+std::unique_ptr<const SurfaceSampler> Frustum::make_sampler(const Transform& world_from_object,
+                                                            bool flip_normals) const {
+  const FrustumParts parts{bottom_radius_, top_radius_, half_height_, open_};
+  if (!(FrustumSampler::area_of(parts) > 0)) return nullptr;
+  return std::make_unique<FrustumSampler>(parts, world_from_object, flip_normals);
+}
+
+std::vector<Point3> Frustum::outline() const {
+  const Bounds3 box = bounds();
+  std::vector<Point3> points;
+  add_rim(bottom_radius_, box.min.y, points);
+  add_rim(top_radius_, box.max.y, points);
+  return points;
 }
 
 }  // namespace tessera

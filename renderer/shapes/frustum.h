@@ -9,12 +9,6 @@ struct OpenParts {
   bool side = false, top = false, bottom = false;
 };
 
-/// What a frustum is made of.
-struct FrustumParts {
-  double bottom_radius = 0, top_radius = 0, half_height = 0;
-  OpenParts open;
-};
-
 /// The solid of revolution about the y axis between y = -height / 2 and height / 2 whose radius
 /// goes from `bottom_radius` to `top_radius` in a straight line: a cylinder, a cone or a frustum.
 /// Primitives are its parts: side, top, bottom. Textures as X3D maps them: round the side from the
@@ -35,7 +29,10 @@ class Frustum : public ConvexSolid {
   size_t primitive_count() const override { return 3; }
   bool closed() const override { return !(open_.side || open_.top || open_.bottom); }
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
-  FrustumParts parts() const { return {bottom_radius_, top_radius_, half_height_, open_}; }
+  /// By area.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
+  std::vector<Point3> outline() const override;
 
  protected:
   /// Throws Error unless the height is > 0 and the radii >= 0, finite and not both 0.

@@ -1,6 +1,8 @@
 #include "renderer/shapes/shape.h"
 
+#include "renderer/shapes/outline_points.h"
 #include "renderer/shapes/solid.h"
+#include "renderer/shapes/surface_sampler.h"
 
 namespace tessera {
 
@@ -12,6 +14,12 @@ int Shape::crossing_number(const Ray& ray, std::span<const Hit> hits) const {
   }
   return sum;
 }
+
+std::unique_ptr<const SurfaceSampler> Shape::make_sampler(const Transform&, bool) const {
+  return nullptr;
+}
+
+std::vector<Point3> Shape::outline() const { return box_corners(bounds()); }
 
 int Solid::crossing_number(const Ray& ray, std::span<const Hit> hits) const {
   if (!closed()) return Shape::crossing_number(ray, hits);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "renderer/shapes/ray.h"
 
 namespace tessera {
+
+class SurfaceSampler;
+class Transform;
 
 /// Work done while following rays; one per thread, added up per tile.
 struct TraversalCounters {
@@ -81,6 +85,14 @@ class Shape {
   /// What lies at a hit that closest_hit reported for this ray.
   virtual LocalSurface surface(const Ray& ray, const Hit& hit) const = 0;
   virtual size_t primitive_count() const { return 1; }
+  /// Chooses points of it as it stands in the world, for light that it emits. Null for shapes whose
+  /// points cannot be chosen: then paths find their light by chance.
+  virtual std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                             bool flip_normals) const;
+  /// Points, at most kMostOutlinePoints, whose convex hull is about its own: of a round shape one
+  /// that leaves out a hundredth of its radius at most. By default the corners of its box, which
+  /// must be finite.
+  virtual std::vector<Point3> outline() const;
 
  private:
   ShapeKind kind_;

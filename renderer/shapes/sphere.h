@@ -26,6 +26,10 @@ class Sphere final : public ConvexSolid {
   /// Also a lane each in lane_surface-inl.h, to the bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
+  /// By the cone in which it is seen, where it stays a sphere.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
+  std::vector<Point3> outline() const override;
   Side side_of(const Point3& p, double margin) const override {
     const double squared = length_squared(p - center_), inner = radius_ - margin;
     if (squared > (radius_ + margin) * (radius_ + margin)) return Side::outside;

@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
-#include "renderer/math/transform.h"
+#include "renderer/math/bounds.h"
 #include "renderer/math/vec.h"
-#include "renderer/shapes/shape.h"
 
 namespace tessera {
 
@@ -39,14 +37,5 @@ class SurfaceSampler {
   /// Whether all of it lies in one plane, through `at` across `normal`, which shows the front.
   virtual bool is_flat(Point3& /*at*/, Vec3& /*normal*/) const { return false; }
 };
-
-/// For a shape as it stands in the world: spheres that stay spheres by the cone in which they are
-/// seen, rectangles by solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for
-/// Spherical Rectangles") where they are near, others about so, by densities that are linear along
-/// both edges; discs, polygons, boxes, ellipsoids, cylinders, cones and tori by area.
-/// Null for any other shape.
-std::unique_ptr<const SurfaceSampler> make_surface_sampler(const Shape& shape,
-                                                           const Transform& world_from_object,
-                                                           bool flip_normals);
 
 }  // namespace tessera

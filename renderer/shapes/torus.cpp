@@ -4,9 +4,54 @@
 #include "renderer/math/elementary.h"
 #include "renderer/math/quartic.h"
 #include "renderer/math/rounding.h"
+#include "renderer/math/transform.h"
+#include "renderer/shapes/curved_sampler.h"
+#include "renderer/shapes/outline_points.h"
 #include "renderer/shapes/planar.h"
 
 namespace tessera {
+namespace {
+
+constexpr double kTurn = 2 * portable::kPi;
+
+Bounds3 box_of(double across, double up) { return {{-across, -up, -across}, {across, up, across}}; }
+
+class TorusSampler final : public CurvedSampler {
+ public:
+  TorusSampler(double major, double minor, const Transform& to_world, bool flip)
+      : CurvedSampler(kTurn * kTurn * major * minor, box_of(major + minor, minor), to_world, flip),
+        major_(major),
+        minor_(minor) {}
+
+ private:
+  CurvedPoint choose(const Vec2& u) const override {
+    const double azimuth = kTurn * u.x, tube = tube_angle(kTurn * u.y);
+    const double x = portable::cos(azimuth), z = portable::sin(azimuth);
+    const double out = portable::cos(tube), up = portable::sin(tube);
+    const double from_axis = major_ + minor_ * out;
+    return {{from_axis * x, minor_ * up, from_axis * z}, {out * x, up, out * z}};
+  }
+  /// Of the equation a + e sin a = `share`, which has the tube's outside more often than its inside
+  /// (Kepler's, from the other apsis); by halving, since Newton's steps may leave at e near 1.
+  double tube_angle(double share) const {
+    const double e = minor_ / major_;
+    double low = 0, high = kTurn, a = share;
+    for (int i = 0; i < 100 && low < high; ++i) {
+      const double rest = a + e * portable::sin(a) - share;
+      if (rest == 0) break;
+      (rest > 0 ? high : low) = a;
+      const double step = a - rest / (1 + e * portable::cos(a));
+      const double next = step > low && step < high ? step : low + (high - low) / 2;
+      if (std::abs(next - a) <= 0x1p-50 * kTurn) return next;
+      a = next;
+    }
+    return a;
+  }
+
+  double major_, minor_;
+};
+
+}  // namespace
 
 Torus::Torus(double major_radius, double minor_radius)
     : major_(major_radius), minor_(minor_radius) {
@@ -191,6 +236,22 @@ LocalSurface Torus::surface(const Ray& ray, const Hit& hit) const {
   s.dpdu = Vec3{s.point.z, 0, -s.point.x} * (2 * kPi);
   s.dpdv = Vec3{-out.x * tube.y, tube.x, -out.z * tube.y} * (2 * kPi * minor_);
   return s;
+}
+
+std::unique_ptr<const SurfaceSampler> Torus::make_sampler(const Transform& world_from_object,
+                                                          bool flip_normals) const {
+  if (minor_ > major_) return nullptr;
+  return std::make_unique<TorusSampler>(major_, minor_, world_from_object, flip_normals);
+}
+
+std::vector<Point3> Torus::outline() const {
+  const Vec3 half = bounds().diagonal() * .5;
+  std::vector<Point3> points;
+  for (int i = 0; i <= 2 * kRimSteps; ++i) {
+    add_rim(half.x - half.y + half.y * portable::cos(i * kRimStep),
+            half.y * portable::sin(i * kRimStep), points);
+  }
+  return points;
 }
 
 }  // namespace tessera

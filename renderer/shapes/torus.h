@@ -22,10 +22,12 @@ class Torus final : public Solid {
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
-  double major_radius() const { return major_; }
-  double minor_radius() const { return minor_; }
   void crossings(const Ray& ray, const RayError& error,
                  std::vector<SolidEvent>& events) const override;
+  /// By area; null for a spindle, where some of it lies inside.
+  std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
+                                                     bool flip_normals) const override;
+  std::vector<Point3> outline() const override;
 
  private:
   /// Crossings of the line in ascending order, alternately entering and leaving.

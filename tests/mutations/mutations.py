@@ -495,9 +495,9 @@ MUTATIONS = [
              "whole.has_clear_vertices |= built.has_clear_vertices;", "", "scene_test", "Csg*"),
     Mutation("light: textured lights emit evenly where they are chosen", "renderer/scene/area_lights.cpp",
              "light.has_texture = has_texture(scene, material);", "", "accuracy_test", "Emitters.*"),
-    Mutation("light: points of cones chosen as of cylinders", "renderer/shapes/curved_sampler.cpp",
+    Mutation("light: points of cones chosen as of cylinders", "renderer/shapes/frustum.cpp",
              "u.x * (r0 + r1) / (r0 + radius) : 0;", "u.x : 0;", "renderer_shapes_test", "SurfaceSampler.*"),
-    Mutation("light: points of tori chosen as of tubes", "renderer/shapes/curved_sampler.cpp",
+    Mutation("light: points of tori chosen as of tubes", "renderer/shapes/torus.cpp",
              "tube_angle(kTurn * u.y);", "kTurn * u.y + 0 * tube_angle(0);", "renderer_shapes_test",
              "SurfaceSampler.*"),
     # The Python package.

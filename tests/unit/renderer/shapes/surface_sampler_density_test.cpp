@@ -37,7 +37,7 @@ struct Case {
 
 Case placed(const std::string& name, std::shared_ptr<const Shape> shape, const Affine& to_world) {
   const Transform place(to_world);
-  return {name, shape, make_surface_sampler(*shape, place, false), place};
+  return {name, shape, shape->make_sampler(place, false), place};
 }
 
 Case mesh(const std::string& name, const TriangleMesh& of, const Affine& to_world) {

@@ -73,7 +73,7 @@ TEST(SurfaceSampler, PointsLieOnTheSurfaceAndTheirDensitiesAddUp) {
        {Affine{}, turned, turned * scaling({2, 2, 2}), turned * scaling({-1.5, 1, 0.5})}) {
     const Transform transform(to_world);
     for (const Case& c : cases()) {
-      const auto sampler = make_surface_sampler(*c.shape, transform, false);
+      const auto sampler = c.shape->make_sampler(transform, false);
       const bool is_ellipsoid = c.name == "sphere" && to_world.determinant() < 0;
       // Of what is chosen evenly, the half that faces away is none that is seen.
       const auto* const solid = dynamic_cast<const Solid*>(c.shape.get());
@@ -118,18 +118,17 @@ TEST(SurfaceSampler, FrontsAreThoseOfTheShape) {
   SurfaceSample sample;
   const Point3 from{9, 9, 9};
   const auto normal = [&](const Affine& to_world, bool flip) {
-    make_surface_sampler(rectangle, Transform(to_world), flip)
-        ->sample({from, kNormal}, {0.5, 0.5}, sample);
+    rectangle.make_sampler(Transform(to_world), flip)->sample({from, kNormal}, {0.5, 0.5}, sample);
     return sample.normal;
   };
   EXPECT_NEAR(normal({}, false).z, 1, 1e-12);
   EXPECT_NEAR(normal({}, true).z, -1, 1e-12);
   EXPECT_NEAR(normal(scaling({-1, 1, 1}), false).z, 1, 1e-12);  // the front stays the front
   const ConvexPolygon polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
-  make_surface_sampler(polygon, Transform(scaling({-1, 1, 1})), false)
+  polygon.make_sampler(Transform(scaling({-1, 1, 1})), false)
       ->sample({from, kNormal}, {0.5, 0.5}, sample);
   EXPECT_NEAR(sample.normal.z, 1, 1e-12);
-  EXPECT_EQ(make_surface_sampler(Torus(0.2, 1), {}, false), nullptr);  // some of it lies inside
+  EXPECT_EQ(Torus(0.2, 1).make_sampler({}, false), nullptr);  // some of it lies inside
 }
 
 /// What of the light of all of a surface, (s, t) in [0, 1)^2, would come to `from` if nothing were
@@ -149,7 +148,7 @@ double light_of(const At& at, const Affine& to_world, const Point3& from) {
   return sum / (kSide * kSide);
 }
 double sampled_light_of(const Shape& shape, const Affine& to_world, const Point3& from) {
-  const auto sampler = make_surface_sampler(shape, Transform(to_world), false);
+  const auto sampler = shape.make_sampler(Transform(to_world), false);
   constexpr int kCount = 100'000;
   double sum = 0;
   for (int i = 0; i < kCount; ++i) {
@@ -189,7 +188,7 @@ TEST(SurfaceSampler, GoesAllRoundTubesAndOpenOnes) {
 
 TEST(SurfaceSampler, ChoosesThePartsThatAreThere) {
   const auto parts = [](const OpenParts& open) {
-    const auto sampler = make_surface_sampler(Cylinder(1, 2, open), {}, false);
+    const auto sampler = Cylinder(1, 2, open).make_sampler({}, false);
     std::array<int, 3> found{};
     const Point3 from{4, 5, 6};
     for (int i = 0; i < 1000; ++i) {
@@ -205,7 +204,7 @@ TEST(SurfaceSampler, ChoosesThePartsThatAreThere) {
   EXPECT_NEAR(whole[1], 167, 5);
   EXPECT_EQ((parts({.side = true, .top = true})), (std::array{0, 0, 1000}));
   EXPECT_EQ((parts({.top = true, .bottom = true})), (std::array{1000, 0, 0}));
-  EXPECT_EQ(make_surface_sampler(Cylinder(1, 2, {true, true, true}), {}, false), nullptr);
+  EXPECT_EQ(Cylinder(1, 2, {true, true, true}).make_sampler({}, false), nullptr);
 }
 
 TEST(SurfaceSampler, LeavesOutWhatHasNoArea) {
