@@ -27,7 +27,7 @@ std::optional<GltfAccessor> GltfAccessor::read(GltfFile& file, const GltfValue& 
   std::optional<GltfAccessor> out;
   const auto index = reference.index(file.root()["accessors"].size(), "accessor", taken);
   if (index)
-    file.attempt(taken, [&] { out = GltfAccessor(file, file.element("accessors", *index)); });
+    file.attempt(taken, [&] { out = GltfAccessor(file, *index); });
   else
     file.keep_problem(reference.error("no accessor", "its index"));
   return out;
@@ -51,19 +51,33 @@ size_t GltfAccessor::size_of(Component component) {
   return kSizes[static_cast<size_t>(component)];
 }
 
-GltfAccessor::GltfAccessor(GltfFile& file, const GltfValue& value) : value_(value) {
+GltfAccessor::Form GltfAccessor::form_of(const GltfValue& accessor) {
   constexpr std::array<std::pair<std::string_view, size_t>, 5> kTypes{
       {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}};
-  component_ = component_of(value_["componentType"]);
-  const GltfValue type = value_["type"];
+  const Component component = component_of(accessor["componentType"]);
+  const GltfValue type = accessor["type"];
   const std::string name = type.text("");
   const auto found = std::find_if(kTypes.begin(), kTypes.end(),
                                   [&](const auto& known) { return known.first == name; });
   if (found == kTypes.end()) throw type.error(type.shown(), "SCALAR, VEC2, VEC3, VEC4 or MAT4");
-  components_ = found->second;
+  return {component, found->second};
+}
+
+GltfAccessor::GltfAccessor(GltfFile& file, size_t index)
+    : value_(file.element("accessors", index)) {
+  const Form form = form_of(value_);
+  component_ = form.component;
+  components_ = form.components;
   normalized_ = value_["normalized"].flag(false) && component_ != Component::float32;
-  const uint64_t count = value_["count"].required_whole();
-  if (value_["bufferView"]) {
+  uint64_t count = value_["count"].required_whole();
+  if (const GltfFile::Rows* const unpacked = file.unpacked(index)) {
+    if (count != unpacked->count)
+      value_["count"].repair(fmt::format("{} rows", count),
+                             fmt::format("{}, as its compressed mesh has", unpacked->count),
+                             "these are taken");
+    count = unpacked->count;
+    rows_ = {unpacked->bytes.data(), components_ * size_of(component_)};
+  } else if (value_["bufferView"]) {
     rows_ = rows(file, value_, count, components_, component_);
   } else if (count > kMaxZeros) {
     throw value_["count"].error(fmt::format("{} zeros", count),

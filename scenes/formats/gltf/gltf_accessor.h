@@ -32,11 +32,20 @@ class GltfAccessor {
 
   GltfValue place() const { return value_; }
 
+  enum class Component : uint8_t { int8, uint8, int16, uint16, uint32, float32 };
+  /// What a row of an accessor is.
+  struct Form {
+    Component component = Component::float32;
+    size_t components = 1;
+    size_t size() const { return size_of(component); }  ///< of a component, in bytes
+  };
+  /// Throws where the accessor does not tell.
+  static Form form_of(const GltfValue& accessor);
+
  private:
   /// Throws where it leaves its data.
-  GltfAccessor(GltfFile& file, const GltfValue& value);
+  GltfAccessor(GltfFile& file, size_t index);
 
-  enum class Component : uint8_t { int8, uint8, int16, uint16, uint32, float32 };
   struct Rows {
     const char* data = nullptr;  ///< null: zeros
     size_t stride = 0;

@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/plain_text.h"
+#include "scenes/formats/gltf/gltf_meshopt.h"
 #include "scenes/import/data_uri.h"
 #include "scenes/import/decimal.h"
 
@@ -294,8 +295,7 @@ std::string_view GltfFile::buffer(size_t index) {
   return bytes.substr(0, length);
 }
 
-GltfFile::View GltfFile::view(size_t index) {
-  const GltfValue value = element("bufferViews", index);
+GltfFile::View GltfFile::part(const GltfValue& value) {
   const auto which = value["buffer"].index(buffers_.size(), "buffer");
   if (!which) throw value.error("no buffer", "its index");
   const std::string_view bytes = buffer(*which);
@@ -305,12 +305,28 @@ GltfFile::View GltfFile::view(size_t index) {
     value.repair(fmt::format("{} bytes from byte {} on", length, offset),
                  fmt::format("an end within the buffer's {} bytes", bytes.size()),
                  "what is there is read");
+  return {bytes.substr(offset, length), 0, offset};
+}
+
+GltfFile::View GltfFile::view(size_t index) {
+  const GltfValue value = element("bufferViews", index);
+  View view;
+  if (const GltfValue packed = value["extensions"]["EXT_meshopt_compression"]) {
+    auto known = unpacked_views_.find(index);
+    if (known == unpacked_views_.end())
+      known =
+          unpacked_views_.emplace(index, unpack_meshopt(*this, packed, part(packed).bytes)).first;
+    view.bytes = known->second;
+  } else {
+    view = part(value);
+  }
   const GltfValue given = value["byteStride"];
   const uint64_t stride = given.whole().value_or(0);
   if (given && (stride < 4 || stride > 252))
     given.repair(given.shown(), "4 to 252",
                  stride == 0 ? "the rows are next to each other" : "it is taken all the same");
-  return {bytes.substr(offset, length), stride, offset};
+  view.stride = stride;
+  return view;
 }
 
 }  // namespace tessera

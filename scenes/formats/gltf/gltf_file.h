@@ -41,8 +41,19 @@ class GltfFile {
     size_t stride = 0;  ///< 0: tightly packed
     size_t begin = 0;   ///< the offset of the bytes in their buffer
   };
-  /// Loads the buffer on its first use. Throws where that cannot be read.
+  /// Loads the buffer, or unpacks it, on its first use. Throws where that cannot be read.
   View view(size_t index);
+  /// Rows that a compressed mesh has for an accessor, next to each other.
+  struct Rows {
+    std::string bytes;
+    size_t count = 0;
+  };
+  void unpack(size_t accessor, Rows rows) { unpacked_[accessor] = std::move(rows); }
+  /// Null: it has its own. Valid until the accessor is unpacked again.
+  const Rows* unpacked(size_t accessor) const {
+    const auto found = unpacked_.find(accessor);
+    return found == unpacked_.end() ? nullptr : &found->second;
+  }
   /// Calls `read`. Where that throws of what breaks the format, it warns of it and of what is
   /// `taken`, and returns false.
   template <typename Read>
@@ -76,6 +87,8 @@ class GltfFile {
   void parse();
   std::string without_endless_numbers() const;
   std::string_view buffer(size_t index);
+  /// The bytes that `holder`, a buffer view or its compressed form, names.
+  View part(const GltfValue& holder);
   std::string load(const GltfValue& uri);
 
   GltfText text_;
@@ -84,6 +97,8 @@ class GltfFile {
   GltfFolder folder_;
   std::unique_ptr<nlohmann::json> json_;
   std::vector<std::optional<std::string>> buffers_;
+  std::map<size_t, std::string> unpacked_views_;
+  std::map<size_t, Rows> unpacked_;       ///< by accessor
   std::map<size_t, Error> lost_buffers_;  ///< why they cannot be read
   uint64_t spent_ = 0;
   std::optional<Error> problem_;

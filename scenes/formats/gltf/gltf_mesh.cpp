@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/file.h"
+#include "scenes/formats/gltf/gltf_draco.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/vertex_colors.h"
 
@@ -120,6 +121,26 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
   return out;
 }
 
+bool GltfMeshes::unpack(const GltfValue& primitive) {
+  const GltfValue packed = primitive["extensions"]["KHR_draco_mesh_compression"];
+  if (!packed) return true;
+  const auto position =
+      primitive["attributes"]["POSITION"].index(file_.root()["accessors"].size(), "accessor");
+  const bool has_own = position && file_.element("accessors", *position)["bufferView"];
+  const auto [known, is_new] = unpacked_.try_emplace(primitive.path(), false);
+  if (is_new)
+    known->second = file_.attempt(has_own ? "what it has without compression is read" : kPrimitive,
+                                  [&] { unpack_draco(file_, primitive, packed); });
+  return known->second || has_own;
+}
+
+uint64_t GltfMeshes::mode_of(const GltfValue& primitive) {
+  const auto unpacked = unpacked_.find(primitive.path());
+  // Draco holds the triangles of a strip one by one.
+  if (unpacked != unpacked_.end() && unpacked->second) return kTriangles;
+  return primitive["mode"].whole().value_or(kTriangles);
+}
+
 size_t GltfMeshes::number_of(const GltfValue& weights) {
   Weights given = weights.numbers(Weights(weights.size()));
   if (std::all_of(given.begin(), given.end(), [](double weight) { return weight == 0; }))
@@ -152,6 +173,7 @@ Bounds3 GltfMeshes::bounds(size_t index) {
   const GltfValue primitives = file_.element("meshes", index)["primitives"];
   Bounds3 out;
   for (size_t i = 0; i < primitives.size(); ++i) {
+    if (!unpack(primitives.at(i))) continue;
     const GltfValue reference = primitives.at(i)["attributes"]["POSITION"];
     const auto [known, is_new] =
         boxes_.try_emplace(reference.whole().value_or(file_.root()["accessors"].size()));
@@ -178,7 +200,8 @@ std::vector<v1::Node> GltfMeshes::read(size_t index, size_t weights, const GltfS
   std::map<std::string, size_t> by_key;
   for (size_t i = 0; i < primitives.size(); ++i) {
     const GltfValue primitive = primitives.at(i);
-    const uint64_t mode = primitive["mode"].whole().value_or(kTriangles);
+    if (!unpack(primitive)) continue;
+    const uint64_t mode = mode_of(primitive);
     if (mode > kFan) {
       primitive["mode"].repair(fmt::format("{}", mode), "0 to 6", "the primitive is left out");
       continue;
@@ -232,7 +255,7 @@ void GltfMeshes::add(const GltfValue& primitive, const GltfMaterialUse& material
   const auto known = std::find(group.materials.begin(), group.materials.end(), name);
   const auto number = static_cast<uint32_t>(known - group.materials.begin());
   if (known == group.materials.end()) group.materials.push_back(name);
-  const uint64_t mode = primitive["mode"].whole().value_or(kTriangles);
+  const uint64_t mode = mode_of(primitive);
   const size_t each = group.corners_each;
   const bool is_list = mode == kLines || mode == kTriangles;
   if (corners.size() < each || (is_list && corners.size() % each != 0))
@@ -248,8 +271,8 @@ void GltfMeshes::add(const GltfValue& primitive, const GltfMaterialUse& material
       return;
     }
     const uint32_t* const p = part.begin();
-    if (each > 1 && p[0] == p[1]) return;
-    if (each > 2 && (p[1] == p[2] || p[2] == p[0])) return;
+    if (part.size() > 1 && p[0] == p[1]) return;
+    if (part.size() > 2 && (p[1] == p[2] || p[2] == p[0])) return;
     group.corners.insert(group.corners.end(), part);
     if (each == 3) group.face_materials.push_back(number);
   });

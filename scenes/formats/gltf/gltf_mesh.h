@@ -48,6 +48,9 @@ class GltfMeshes {
   };
   struct Group;
 
+  /// Whether the primitive's accessors have something to read: unpacks it where it is compressed.
+  bool unpack(const GltfValue& primitive);
+  uint64_t mode_of(const GltfValue& primitive);
   size_t number_of(const GltfValue& weights);
   Attributes attributes_of(const GltfValue& primitive, const GltfMaterialUse& material,
                            const Weights& weights, bool is_bent);
@@ -76,6 +79,7 @@ class GltfMeshes {
   std::vector<const Weights*> by_number_;
   std::map<size_t, size_t> own_weights_;  ///< numbers by mesh
   std::map<size_t, Bounds3> boxes_;       ///< by accessor
+  std::map<std::string, bool> unpacked_;  ///< primitives by path, whether that could be done
 };
 
 }  // namespace tessera

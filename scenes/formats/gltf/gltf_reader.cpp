@@ -30,8 +30,10 @@ constexpr std::array kNamed{"accessors", "animations", "bufferViews", "buffers",
                             "images",    "materials",  "meshes",      "nodes",   "samplers",
                             "scenes",    "skins",      "textures"};
 
-constexpr std::array<std::string_view, 11> kExtensions{"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 13> kExtensions{"EXT_mesh_gpu_instancing",
+                                                       "EXT_meshopt_compression",
                                                        "EXT_texture_webp",
+                                                       "KHR_draco_mesh_compression",
                                                        "KHR_lights_punctual",
                                                        "KHR_materials_clearcoat",
                                                        "KHR_materials_emissive_strength",

@@ -29,6 +29,17 @@ class Binary {
     bytes_.resize((bytes_.size() + 3) / 4 * 4);
     return *this;
   }
+  /// A buffer view of `rows` bytes that stand in meshoptimizer's form, with `how` of its extension.
+  Binary& put_packed(const std::vector<unsigned char>& bytes, size_t rows, const std::string& how) {
+    views_ += (views_.empty() ? "" : ",") +
+              (R"({"buffer":0,"byteLength":)" + std::to_string(rows)) +
+              R"(,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":)" +
+              std::to_string(bytes_.size()) + R"(,"byteLength":)" + std::to_string(bytes.size()) +
+              "," + how + "}}}";
+    bytes_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    return *this;
+  }
   /// A .glb of the members of the JSON object and these arrays.
   std::string glb(const std::string& members) const {
     std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" +
