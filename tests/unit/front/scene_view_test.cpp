@@ -10,7 +10,7 @@
 #include "proto/wire/scene_codec.h"
 #include "renderer/camera/camera.h"
 #include "renderer/math/transform.h"
-#include "renderer/scene/outline.h"
+#include "renderer/shapes/outline_points.h"
 #include "renderer/scene/read_camera.h"
 #include "tests/error_of.h"
 
