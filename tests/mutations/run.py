@@ -156,7 +156,9 @@ def main():
         for m in chosen:
             print(f"{m.name:60} {m.file}")
         return 0
-    lost = [m for m in chosen if (ROOT / m.file).read_text().count(m.old) != 1]
+    files = {m.file: ROOT / m.file for m in chosen}
+    texts = {name: path.read_text() if path.exists() else "" for name, path in files.items()}
+    lost = [m for m in chosen if texts[m.file].count(m.old) != 1]
     for m in lost:
         print(f"{m.file}: '{m.old}' is not there once; bring '{m.name}' in mutations.py up to date")
     if options.check:
