@@ -10,8 +10,8 @@
 #include "proto/wire/scene_codec.h"
 #include "renderer/camera/camera.h"
 #include "renderer/math/transform.h"
-#include "renderer/shapes/outline_points.h"
 #include "renderer/scene/read_camera.h"
+#include "renderer/shapes/outline_points.h"
 #include "tests/error_of.h"
 
 namespace tessera {
