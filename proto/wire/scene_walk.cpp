@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +21,7 @@ namespace pb = google::protobuf;
 using pb::FieldDescriptor;
 using Places = pb::TextFormat::ParseInfoTree;
 
-using Fields = std::vector<const FieldDescriptor*>;
-using FieldsOfTypes = std::unordered_map<const pb::Descriptor*, Fields>;
+using Types = std::unordered_map<const pb::Descriptor*, MessageType>;
 
 /// The types of all messages that a scene may hold.
 std::vector<const pb::Descriptor*> types_in_scenes() {
@@ -35,35 +35,40 @@ std::vector<const pb::Descriptor*> types_in_scenes() {
   return types;
 }
 
-/// Of each of these types the fields that are wanted, by their numbers.
-FieldsOfTypes fields_where(const std::function<bool(const FieldDescriptor&)>& is_wanted) {
-  FieldsOfTypes fields;
-  for (const pb::Descriptor* type : types_in_scenes()) {
-    Fields& wanted = fields[type];
-    for (int k = 0; k < type->field_count(); ++k)
-      if (is_wanted(*type->field(k))) wanted.push_back(type->field(k));
-    std::ranges::sort(wanted, {}, &FieldDescriptor::number);
+/// These types with those of their fields that are wanted, by their numbers.
+Types types_with(const std::function<bool(const FieldDescriptor&)>& is_wanted) {
+  Types types;
+  pb::MessageFactory& factory = *pb::MessageFactory::generated_factory();
+  for (const pb::Descriptor* descriptor : types_in_scenes())
+    types[descriptor].reflection = factory.GetPrototype(descriptor)->GetReflection();
+  for (auto& [descriptor, type] : types) {
+    for (int k = 0; k < descriptor->field_count(); ++k) {
+      const FieldDescriptor& field = *descriptor->field(k);
+      const pb::Descriptor* const inner = field.message_type();
+      if (is_wanted(field)) type.fields.push_back({&field, inner ? &types.at(inner) : nullptr});
+    }
+    std::ranges::sort(type.fields, {}, [](const auto& field) { return field.field->number(); });
   }
-  return fields;
+  return types;
 }
 
 /// How many values or messages of the field `message` has. A number that is not set is 0, and an
 /// enumeration's value its first: one.
-int count_of(const pb::Message& message, const FieldDescriptor& field) {
-  const pb::Reflection& reflection = *message.GetReflection();
+int count_of(const pb::Reflection& reflection, const pb::Message& message,
+             const FieldDescriptor& field) {
   if (field.is_repeated()) return reflection.FieldSize(message, &field);
   return field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE ||
          reflection.HasField(message, &field);
 }
 
-const pb::Message& message_in(const pb::Message& message, const FieldDescriptor& field, int index) {
-  const pb::Reflection& reflection = *message.GetReflection();
+const pb::Message& message_in(const pb::Reflection& reflection, const pb::Message& message,
+                              const FieldDescriptor& field, int index) {
   return field.is_repeated() ? reflection.GetRepeatedMessage(message, &field, index)
                              : reflection.GetMessage(message, &field);
 }
 
-double number(const pb::Message& message, const FieldDescriptor& field, int index) {
-  const pb::Reflection& reflection = *message.GetReflection();
+double number(const pb::Reflection& reflection, const pb::Message& message,
+              const FieldDescriptor& field, int index) {
   const bool is_double = field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE;
   if (field.is_repeated())
     return is_double ? reflection.GetRepeatedDouble(message, &field, index)
@@ -71,14 +76,14 @@ double number(const pb::Message& message, const FieldDescriptor& field, int inde
   return is_double ? reflection.GetDouble(message, &field) : reflection.GetFloat(message, &field);
 }
 
-int enum_number(const pb::Message& message, const FieldDescriptor& field, int index) {
-  const pb::Reflection& reflection = *message.GetReflection();
+int enum_number(const pb::Reflection& reflection, const pb::Message& message,
+                const FieldDescriptor& field, int index) {
   return field.is_repeated() ? reflection.GetRepeatedEnumValue(message, &field, index)
                              : reflection.GetEnumValue(message, &field);
 }
 
-std::string text(const pb::Message& message, const FieldDescriptor& field, int index) {
-  const pb::Reflection& reflection = *message.GetReflection();
+std::string text(const pb::Reflection& reflection, const pb::Message& message,
+                 const FieldDescriptor& field, int index) {
   return field.is_repeated() ? reflection.GetRepeatedString(message, &field, index)
                              : reflection.GetString(message, &field);
 }
@@ -88,21 +93,22 @@ std::string step(const FieldDescriptor& field, int index) {
 }
 
 /// What is wrong with a scalar, if anything; its path is the field's alone.
-std::optional<SceneFault> fault_of_value(const pb::Message& message, const FieldDescriptor& field,
+std::optional<SceneFault> fault_of_value(const pb::Reflection& reflection,
+                                         const pb::Message& message, const FieldDescriptor& field,
                                          int index) {
   if (field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM) {
     // Proto3 keeps numbers that it has no name for; each reader would take them for another value.
-    const int value = enum_number(message, field, index);
+    const int value = enum_number(reflection, message, field, index);
     if (field.enum_type()->FindValueByNumber(value)) return std::nullopt;
     return SceneFault{fmt::format("is {}", value), one_of(value_names(*field.enum_type()), ""),
                       step(field, index)};
   }
   if (field.type() == FieldDescriptor::TYPE_STRING) {
-    if (find_invalid_utf8(text(message, field, index)) == std::string_view::npos)
+    if (find_invalid_utf8(text(reflection, message, field, index)) == std::string_view::npos)
       return std::nullopt;
     return SceneFault{"is not UTF-8", "text", step(field, index)};
   }
-  if (std::isfinite(number(message, field, index))) return std::nullopt;
+  if (std::isfinite(number(reflection, message, field, index))) return std::nullopt;
   return SceneFault{"is not finite", "a finite number", step(field, index)};
 }
 
@@ -114,24 +120,24 @@ bool may_be_faulty(const FieldDescriptor& field) {
 }
 
 /// `depth` is the number of messages that `message` lies in.
-std::optional<SceneFault> fault_in(const pb::Message& message, Places* places, int depth) {
+std::optional<SceneFault> fault_in(const pb::Message& message, const MessageType& type,
+                                   Places* places, int depth) {
   Cancellation::check();
   // It might change the picture: better no scene than another one.
-  const pb::UnknownFieldSet& unknown = message.GetReflection()->GetUnknownFields(message);
+  const pb::UnknownFieldSet& unknown = type.reflection->GetUnknownFields(message);
   if (!unknown.empty()) {
     return SceneFault{fmt::format("has a field {}", unknown.field(0).number()),
                       "none of a later version", ""};
   }
-  static const FieldsOfTypes checked = fields_where(may_be_faulty);
-  for (const FieldDescriptor* field : checked.at(message.GetDescriptor())) {
-    const int count = count_of(message, *field);
+  for (const auto& [field, inner] : type.fields) {
+    const int count = count_of(*type.reflection, message, *field);
     for (int i = 0; i < count; ++i) {
       const int position = field->is_repeated() ? i : -1;
       std::optional<SceneFault> fault;
       if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
-        fault = fault_of_value(message, *field, i);
+        fault = fault_of_value(*type.reflection, message, *field, i);
       } else if (depth < kMaxSceneDepth) {
-        fault = fault_in(message_in(message, *field, i),
+        fault = fault_in(message_in(*type.reflection, message, *field, i), *inner,
                          places ? places->GetTreeForNested(field, position) : nullptr, depth + 1);
         if (fault) fault->path = step(*field, i) + (fault->path.empty() ? "" : "." + fault->path);
       } else {
@@ -153,7 +159,8 @@ std::optional<SceneFault> fault_in(const pb::Message& message, Places* places, i
 }  // namespace
 
 std::optional<SceneFault> find_fault(const v1::Scene& scene, Places* places) {
-  return fault_in(scene, places, 0);
+  static const Types checked = types_with(may_be_faulty);
+  return fault_in(scene, checked.at(v1::Scene::descriptor()), places, 0);
 }
 
 MessageFinder::MessageFinder(const pb::Descriptor* wanted) : wanted_(wanted) {
@@ -164,20 +171,27 @@ MessageFinder::MessageFinder(const pb::Descriptor* wanted) : wanted_(wanted) {
   };
   for (size_t before = 1; before != leads.size();) {
     before = leads.size();
-    for (const auto& [type, fields] : fields_where(leads_on))
-      if (!fields.empty()) leads.insert(type);
+    for (const auto& [descriptor, type] : types_with(leads_on))
+      if (!type.fields.empty()) leads.insert(descriptor);
   }
-  fields_ = fields_where(leads_on);
+  types_ = types_with(leads_on);
 }
 
-bool MessageFinder::any(const pb::Message& message,
+bool MessageFinder::any(const v1::Scene& scene,
                         const std::function<bool(const pb::Message&)>& visit) const {
+  const MessageType& type = types_.at(v1::Scene::descriptor());
+  return any(scene, type, types_.at(wanted_), visit);
+}
+
+bool MessageFinder::any(const pb::Message& message, const MessageType& type,
+                        const MessageType& wanted,
+                        const std::function<bool(const pb::Message&)>& visit) {
   Cancellation::check();
-  if (message.GetDescriptor() == wanted_ && visit(message)) return true;
-  for (const FieldDescriptor* field : fields_.at(message.GetDescriptor())) {
-    const int count = count_of(message, *field);
+  if (&type == &wanted && visit(message)) return true;
+  for (const auto& [field, inner] : type.fields) {
+    const int count = count_of(*type.reflection, message, *field);
     for (int i = 0; i < count; ++i)
-      if (any(message_in(message, *field, i), visit)) return true;
+      if (any(message_in(*type.reflection, message, *field, i), *inner, wanted, visit)) return true;
   }
   return false;
 }
