@@ -61,7 +61,7 @@ Submission::Submission(v1::SubmitJob request, JobStore& store, Time now)
 }
 
 void Submission::want(const Digest& digest, uint64_t size, JobStore& store) {
-  if (!needed_.insert(digest).second) return;
+  if (!needed_.emplace(digest, size).second) return;
   claimed_bytes_ = saturating_sum(claimed_bytes_, size);
   scene_bytes_ = saturating_sum(scene_bytes_, size);
   if (!store.has_blob(digest)) fetch_.want(digest, size);
@@ -82,6 +82,12 @@ uint64_t Submission::read_scene(const Digest& digest, JobStore& store) {
   return bytes->size();
 }
 
+void Submission::want_lost(JobStore& store) {
+  for (const auto& [digest, size] : needed_) {
+    if (!store.has_blob(digest)) fetch_.want(digest, size);
+  }
+}
+
 std::vector<v1::BlobRequest> Submission::advance(JobStore& store, Time now) {
   for (const auto& [digest, data] : pulled_.all()) store.put_blob(digest, data);
   pulled_ = {};
@@ -92,6 +98,7 @@ std::vector<v1::BlobRequest> Submission::advance(JobStore& store, Time now) {
     constexpr uint64_t kLeast = 4096;
     read += std::max(kLeast, read_scene(digest, store));
   }
+  if (finished()) want_lost(store);
   if (!fetch_.failure().empty()) throw render_error(fetch_.failure());
   return fetch_.requests(now);
 }
@@ -106,7 +113,8 @@ void Submission::fail(v1::JobStatus how) {
 }
 
 std::vector<Digest> Submission::blobs() const {
-  std::vector<Digest> result(needed_.begin(), needed_.end());
+  std::vector<Digest> result;
+  for (const auto& [digest, size] : needed_) result.push_back(digest);
   std::sort(result.begin(), result.end());
   return result;
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <string>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include "base/error.h"
@@ -48,6 +48,9 @@ class Submission {
 
  private:
   void want(const Digest& digest, uint64_t size, JobStore& store);
+  /// Asks anew for what the store had and has no longer: a job that was forgotten meanwhile took
+  /// it.
+  void want_lost(JobStore& store);
   /// Returns how many bytes it has.
   uint64_t read_scene(const Digest& digest, JobStore& store);
 
@@ -55,8 +58,8 @@ class Submission {
   uint64_t claimed_bytes_ = 0, scene_bytes_ = 0;
   BlobFetch fetch_;
   BlobStore pulled_;
-  std::deque<Digest> unread_;  ///< scenes
-  std::unordered_set<Digest> needed_;
+  std::deque<Digest> unread_;                    ///< scenes
+  std::unordered_map<Digest, uint64_t> needed_;  ///< with their sizes
   SceneFactsMap scenes_;
 };
 

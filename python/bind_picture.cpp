@@ -138,7 +138,11 @@ Array linear_of_srgb(const py::handle& given) {
   // Integers are a share of the largest that their type has.
   const double most =
       codes.kind == 'u' ? std::exp2(8 * static_cast<double>(codes.item_size)) - 1 : 1;
-  std::vector<float> light = run_abandonably([codes, most](StopFlag) {
+  // In single precision, as files are read: a picture that is saved and read again is the same.
+  const auto share = [most](double code) {
+    return most == 1 ? code : double{static_cast<float>(code / most)};
+  };
+  std::vector<float> light = run_abandonably([codes, share](StopFlag) {
     std::vector<float> made;
     made.reserve(static_cast<size_t>(codes.count()));
     LightOfCodes light_of;
@@ -146,7 +150,7 @@ Array linear_of_srgb(const py::handle& given) {
     for (py::ssize_t at = 0; at < codes.count(); at += kBetweenLooks) {
       Cancellation::check();
       for_each_element<double>(codes, at, std::min(kBetweenLooks, codes.count() - at),
-                               [&](double code) { made.push_back(light_of(code / most)); });
+                               [&](double code) { made.push_back(light_of(share(code))); });
     }
     return made;
   });
@@ -294,7 +298,7 @@ ChannelsOfAov find_channels(const Film& film, const std::string& name) {
     if (held.empty()) {
       throw usage_error(
           fmt::format("aov: '{}'; expected none: this picture has no AOVs, which "
-                      "render(aovs=[...]) asks for",
+                      "render(aovs=[...]) asks for and read_image() leaves out",
                       name));
     }
     throw usage_error(fmt::format("aov: '{}'; expected one of those that were rendered: {}{}", name,

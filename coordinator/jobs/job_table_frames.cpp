@@ -228,9 +228,16 @@ PackedScene JobTable::load_scene(Job& job, uint32_t frame) {
 
 BlobStore JobTable::load_blobs_of(Job& job, const PackedScene& scene) {
   BlobStore blobs;
+  std::optional<Error> lost;
   for (const v1::BlobRef& ref : job.scenes().at(scene.digest).blobs) {
-    blobs.put(Digest::from_hex(ref.digest()), load_blob(ref.digest()));
+    try {
+      blobs.put(Digest::from_hex(ref.digest()), load_blob(ref.digest()));
+    } catch (const Error& error) {
+      // The others are looked at too, so that who submits the scene again brings all that is lost.
+      if (!lost) lost = error;
+    }
   }
+  if (lost) throw *lost;
   return blobs;
 }
 

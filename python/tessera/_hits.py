@@ -127,9 +127,9 @@ class Located:
         """Indices into `tracer.materials`, uint32 in the shape of the hits; 0xFFFFFFFF: no hit."""
         return self._attribute("material")
 
-    def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]]) -> Optional[str]:
-        """The name of the instance that was hit at that index, a number for each axis; None where none was.
-        Raises IndexError beyond the shape of the hits."""
+    def name(self, index: Union[SupportsIndex, Tuple[SupportsIndex, ...]] = ()) -> Optional[str]:
+        """The name of the instance that was hit at that index, a number for each axis: none for a single
+        ray. None where none was. Raises IndexError beyond the shape of the hits."""
         number = int(self.instance[index])
         return None if number == _NONE else self._tracer.instances[number]
 

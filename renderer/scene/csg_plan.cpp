@@ -24,7 +24,10 @@ class Planner {
   Planner(const v1::Scene& scene, double time, NodeWays* ways)
       : scene_(scene), time_(time), ways_(ways) {}
 
-  Part combine(const Where& where, const v1::Csg& csg, const Affine& to_whole) {
+  Part combine(const Where& where, const v1::Shape& shape, const Affine& to_whole) {
+    const v1::Csg& csg = shape.csg();
+    std::string around = material_;
+    if (!shape.materials().empty()) material_ = shape.materials(0);
     if (++depth_ > kMaxDepth) {
       fail_value(where, "nesting", fmt::format("deeper than {} levels", kMaxDepth),
                  "a flatter combination, without a cycle");
@@ -42,6 +45,7 @@ class Planner {
       is_nothing |= needed && !part;
     }
     --depth_;
+    material_ = std::move(around);
     if (is_nothing || step.operands.empty()) return std::nullopt;
     return step.operands.size() == 1 ? step.operands.front() : add(where, std::move(step));
   }
@@ -96,9 +100,10 @@ class Planner {
   }
 
   Part read_shape(const Where& where, const v1::Shape& shape, const Affine& place) {
-    if (shape.has_csg()) return combine(where, shape.csg(), place);
+    if (shape.has_csg()) return combine(where, shape, place);
     CsgPlan::Step step;
     step.solid = &shape;
+    step.material = material_;
     step.csg_from_solid = place;
     step.way = way_;
     return add(where, std::move(step));
@@ -118,6 +123,7 @@ class Planner {
   double time_;
   NodeWays* const ways_;
   uint32_t way_ = kNoWay;
+  std::string material_;  ///< the first of the nearest combination around that names one
   CsgPlan plan_;
   int depth_ = 0;
 };
@@ -137,7 +143,7 @@ std::vector<uint32_t> CsgPlan::solid_ways() const {
   return ways;
 }
 
-CsgPlan plan_csg(const Where& where, const v1::Csg& csg, const v1::Scene& scene, double time,
+CsgPlan plan_csg(const Where& where, const v1::Shape& csg, const v1::Scene& scene, double time,
                  NodeWays* ways) {
   Planner planner(scene, time, ways);
   const Part whole = planner.combine(where, csg, Affine{});

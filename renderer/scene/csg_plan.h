@@ -15,6 +15,7 @@ namespace tessera {
 struct CsgPlan {
   struct Step {
     const v1::Shape* solid = nullptr;  ///< null: an operator
+    std::string material{};            ///< of a solid that names none; empty: the default
     Affine csg_from_solid{};           ///< invertible
     std::string path;                  ///< for errors
     CsgOperation operation = CsgOperation::join;
@@ -32,7 +33,7 @@ struct CsgPlan {
 /// scene error that begins with `where` for cycles, unknown objects, and what is too deep or too
 /// much.
 /// Ways to solids are added to `ways`, where it is given.
-CsgPlan plan_csg(const Where& where, const v1::Csg& csg, const v1::Scene& scene, double time,
+CsgPlan plan_csg(const Where& where, const v1::Shape& csg, const v1::Scene& scene, double time,
                  NodeWays* ways = nullptr);
 
 }  // namespace tessera

@@ -187,10 +187,10 @@ class SceneBuilder {
       csg_plans_.emplace_back();
       if (graph_shape.shape->has_csg()) {
         CsgPlan& plan = csg_plans_.back();
-        plan = plan_csg(where, graph_shape.shape->csg(), description_, scene_->settings.time,
+        plan = plan_csg(where, *graph_shape.shape, description_, scene_->settings.time,
                         scene_->settings.aovs.has(Aov::origin) ? &graph_.ways : nullptr);
         for (const CsgPlan::Step& step : plan.steps) {
-          if (step.solid) use_materials({.kind = step.path.c_str()}, *step.solid);
+          if (step.solid) use_materials({.kind = step.path.c_str()}, *step.solid, step.material);
         }
       } else {
         use_materials(where, *graph_shape.shape);
@@ -211,11 +211,12 @@ class SceneBuilder {
     scene_->textures = textures_.take();
   }
 
-  void use_materials(const Where& where, const v1::Shape& shape) {
+  void use_materials(const Where& where, const v1::Shape& shape,
+                     const std::string& otherwise = {}) {
     for (const std::string& name : shape.materials()) {
       use_material(where, name);
     }
-    if (shape.materials().empty()) use_material(where, "");
+    if (shape.materials().empty()) use_material(where, otherwise);
   }
   void use_material(const Where& where, const std::string& name) {
     scene_->material_slots.push_back(materials_.use(where, name));

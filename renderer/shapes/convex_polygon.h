@@ -28,6 +28,7 @@ class ConvexPolygon final : public Shape {
   /// By area.
   std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
                                                      bool flip_normals) const override;
+  std::vector<Point3> outline() const override { return points_; }
 
  private:
   std::vector<Point3> points_;
@@ -60,6 +61,9 @@ class Rectangle final : public Shape {
   /// are linear along both edges.
   std::unique_ptr<const SurfaceSampler> make_sampler(const Transform& world_from_object,
                                                      bool flip_normals) const override;
+  std::vector<Point3> outline() const override {
+    return {corner_, corner_ + edge_u_, corner_ + edge_v_, corner_ + edge_u_ + edge_v_};
+  }
   /// closest_hit() for a ray that is known to be inside the edges where it meets the plane.
   bool closest_hit_inside(const Ray& ray, Hit& hit, TraversalCounters& counters) const;
   bool any_hit_inside(const Ray& ray, TraversalCounters& counters) const;

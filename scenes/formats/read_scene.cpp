@@ -102,7 +102,7 @@ std::string format_of(const std::string& path, const std::string& asked) {
     throw scene_error({path},
                       ending.empty() ? std::string("the name has no ending")
                                      : fmt::format("unknown ending '.{}'", ending),
-                      readable());
+                      readable() + ", or a format that is asked for, as by --format");
   return found;
 }
 

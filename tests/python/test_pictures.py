@@ -206,6 +206,12 @@ def test_all_files_are_written_that_can_be(image, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["b.png", "d.pfm"]
 
 
+def test_codes_are_the_same_light_when_they_are_read_again(tmp_path):
+    image = ts.Image.from_array(np.arange(256, dtype="u1").reshape(16, 16))
+    image.save(tmp_path / "codes.png")
+    assert ts.read_image(tmp_path / "codes.png") == image
+
+
 def test_what_a_file_holds_tells_whether_it_is_light(tmp_path):
     values = np.random.default_rng(4).uniform(0, 1, (4, 5, 3)).astype("f4")
     image = ts.Image.from_array(values)

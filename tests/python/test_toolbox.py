@@ -333,4 +333,16 @@ def test_of_coinciding_objects_the_earlier_is_hit():
         scene = ts.Scene()
         for name in names:
             scene.add(ts.Sphere(), name=name)
-        assert scene.tracer().intersect((0, 0, 5), (0, 0, -1)).name(()) == names[0]
+        assert scene.tracer().intersect((0, 0, 5), (0, 0, -1)).name() == names[0]
+
+
+def test_a_combination_s_material_is_that_of_its_parts_without_one():
+    def seen(own=None):
+        box = ts.Box(min=(-1, -1, -1), max=(1, 1, 1), material=own)
+        scene = ts.Scene()
+        scene.add((box & ts.Sphere(radius=1.2)) - ts.Sphere(center=(5, 0, 0)),
+                  material=ts.Unlit(color=(1, 0, 0)))
+        return scene.render(size=(3, 3), view="front", spp=1).linear[1, 1].tolist()
+
+    assert seen() == [1, 0, 0]
+    assert seen(ts.Unlit(color=(0, 1, 0))) == [0, 1, 0]

@@ -51,6 +51,14 @@ std::string rows_of(const GltfValue& place, const draco::Mesh& mesh,
 std::string rows_of(const GltfValue& place, const draco::Mesh& mesh,
                     const draco::PointAttribute& attribute, const GltfAccessor::Form& form) {
   using Component = GltfAccessor::Component;
+  const bool are_floats =
+      attribute.data_type() == draco::DT_FLOAT32 || attribute.data_type() == draco::DT_FLOAT64;
+  if (are_floats && form.component != Component::float32)
+    throw place.error("whole numbers", "floats, as in Draco's form");
+  if (static_cast<size_t>(attribute.num_components()) != form.components)
+    place.repair(fmt::format("rows of {}", form.components),
+                 fmt::format("rows of {}, as in Draco's form", attribute.num_components()),
+                 "what there is not is 0");
   switch (form.component) {
     case Component::int8:
       return rows_of<int8_t>(place, mesh, attribute, form.components);
@@ -90,16 +98,23 @@ void unpack_draco(GltfFile& file, const GltfValue& primitive, const GltfValue& e
   const auto view = extension["bufferView"].index(file.root()["bufferViews"].size(), "buffer view");
   if (!view) throw extension.error("no bufferView", "its index");
   const auto mesh = decode(extension, file.view(*view).bytes);
-  const auto give = [&](const GltfValue& reference, const auto& bytes_of, size_t count) {
+  const auto give = [&](const GltfValue& reference, const std::string& rows, const auto& bytes_of,
+                        size_t count) {
     const auto index = reference.index(file.root()["accessors"].size(), "accessor");
     if (!index) throw reference.error("no accessor", "its index");
+    std::string source = fmt::format("{} of view {}", rows, *view);
+    const GltfFile::Rows* const known = file.unpacked(*index);
+    if (known && known->source == source) return;
+    if (known)
+      throw reference.error(fmt::format("accessor {}, which has other compressed rows", *index),
+                            "one for each");
     const GltfValue accessor = file.element("accessors", *index);
     const GltfAccessor::Form form = GltfAccessor::form_of(accessor);
     file.spend(uint64_t{count} * form.components, extension);
-    file.unpack(*index, {bytes_of(accessor, form), count});
+    file.unpack(*index, {bytes_of(accessor, form), count, std::move(source)});
   };
   give(
-      primitive["indices"],
+      primitive["indices"], "corners",
       [&](const GltfValue& at, const GltfAccessor::Form& form) {
         return corners_of(at, *mesh, form);
       },
@@ -115,11 +130,20 @@ void unpack_draco(GltfFile& file, const GltfValue& primitive, const GltfValue& e
       throw packed[name.c_str()].error(fmt::format("attribute {}", id), "one that the mesh has");
     if (!attributes[name.c_str()]) continue;
     give(
-        attributes[name.c_str()],
+        attributes[name.c_str()], fmt::format("attribute {}", id),
         [&](const GltfValue& at, const GltfAccessor::Form& form) {
           return rows_of(at, *mesh, *attribute, form);
         },
         mesh->num_points());
+  }
+  for (const std::string& name : attributes.keys()) {
+    const auto index = attributes[name.c_str()].index(file.root()["accessors"].size(), "accessor");
+    if (packed[name.c_str()] || !index) continue;
+    const GltfValue accessor = file.element("accessors", *index);
+    if (accessor["bufferView"] || accessor["sparse"]) continue;
+    constexpr std::string_view kExpected = "its number in the compressed mesh";
+    if (name == "POSITION") throw packed.error("no POSITION", kExpected);
+    packed.repair("no " + name, kExpected, "zeros are read");
   }
 }
 

@@ -317,11 +317,18 @@ GltfFile::View GltfFile::view(size_t index) {
       known =
           unpacked_views_.emplace(index, unpack_meshopt(*this, packed, part(packed).bytes)).first;
     view.bytes = known->second;
+    view.stride = packed["byteStride"].required_whole();
   } else {
     view = part(value);
   }
   const GltfValue given = value["byteStride"];
   const uint64_t stride = given.whole().value_or(0);
+  if (view.stride > 0) {
+    if (given && stride != view.stride)
+      given.repair(given.shown(), fmt::format("{}, as of its compressed rows", view.stride),
+                   "these are taken");
+    return view;
+  }
   if (given && (stride < 4 || stride > 252))
     given.repair(given.shown(), "4 to 252",
                  stride == 0 ? "the rows are next to each other" : "it is taken all the same");

@@ -131,6 +131,10 @@ bool GltfMeshes::unpack(const GltfValue& primitive) {
   if (is_new)
     known->second = file_.attempt(has_own ? "what it has without compression is read" : kPrimitive,
                                   [&] { unpack_draco(file_, primitive, packed); });
+  const GltfValue mode = primitive["mode"];
+  const uint64_t given = mode.whole().value_or(kTriangles);
+  if (is_new && known->second && given != kTriangles && given != kStrip)
+    mode.repair(mode.shown(), "4 or 5, as of compressed meshes", "triangles are read");
   return known->second || has_own;
 }
 

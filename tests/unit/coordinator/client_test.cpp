@@ -93,6 +93,48 @@ TEST_F(ClientTest, HaveFewScenesReadAtOneGoByTheirBytes) {
   EXPECT_EQ(calls, 3) << "no more begun after 4 MiB";
 }
 
+TEST_F(ClientTest, AreAskedAnewForWhatWasForgottenMeanwhile) {
+  MemoryJobStore kept;
+  const auto digest_of = [](std::string_view text) {
+    return Digest::of(std::as_bytes(std::span(text)));
+  };
+  const auto put = [&](std::string_view text) {
+    kept.put_blob(digest_of(text), copy_to_blob(std::as_bytes(std::span(text))));
+  };
+  put("shared");
+  v1::Scene scene;
+  for (const char* name : {"shared", "own"}) {
+    v1::BlobRef& blob = *scene.add_nodes()->mutable_shape()->mutable_mesh()->mutable_positions();
+    blob.set_digest(digest_of(name).hex());
+    blob.set_size(std::string_view(name).size());
+  }
+  const std::string text = serialize_scene(scene);
+  put(text);
+  v1::SubmitJob request;
+  request.set_submission(42);
+  v1::JobFrame& frame = *request.add_frames();
+  frame.set_scene_digest(digest_of(text).hex());
+  frame.set_scene_size(text.size());
+  Submission submission(request, kept, {});
+  ASSERT_EQ(submission.advance(kept, {}).size(), 1u) << "for its own blob alone";
+  // Another job that has it, and the scene, is forgotten.
+  kept.remove(1, {}, {digest_of("shared"), digest_of(text)});
+  const auto bring = [&](std::string_view bytes) {
+    v1::BlobChunk chunk;
+    chunk.set_submission(42);
+    chunk.set_digest(digest_of(bytes).hex());
+    chunk.set_data(std::string(bytes));
+    submission.on_chunk(chunk);
+    return submission.advance(kept, {}).size();
+  };
+  EXPECT_EQ(bring("own"), 2u) << "for what is gone";
+  EXPECT_FALSE(submission.finished());
+  bring("shared");
+  bring(text);
+  EXPECT_TRUE(submission.finished());
+  for (const Digest& digest : submission.blobs()) EXPECT_TRUE(kept.has_blob(digest));
+}
+
 TEST_F(ClientTest, AreToldWhyTheirJobsDoNotEnd) {
   say("client", submission(42, job()));
   for (const auto& chunk : chunks()) coordinator.on_message(Channel::bulk, "b", chunk, {});

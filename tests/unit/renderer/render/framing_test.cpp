@@ -69,6 +69,9 @@ TEST(FrameAll, fills_the_frame_in_its_middle) {
                                 "cylinder { radius: 3 height: .5 }",
                                 "cone { radius: 2 height: 7 top_radius: 1 }",
                                 "disc { center { x: 4 } normal { y: 1 z: .3 } radius: 2 }",
+                                "rectangle { edge_u { x: 3 y: 1 } edge_v { y: 2 z: -3 } }",
+                                "polygon { points { } points { x: 3 y: 1 } points { x: 3 y: 3 z: "
+                                "-3 } points { y: 2 z: -3 } }",
                                 "torus { major_radius: 4 }"};
   const std::string frames[] = {
       "steps { look_at { eye { x: 30 y: 20 z: 25 } target { x: 8 } } }",  // far away, aside

@@ -26,7 +26,8 @@ TEST_F(ReadScene, RefusesWhatIsNoSceneFile) {
             "a.fbx: files of type .fbx are not read; expected " + known);
   EXPECT_EQ(error(write("a.pov", "camera { }")),
             "a.pov: files of type .pov are not read; expected " + known);
-  EXPECT_EQ(error(write("a.xyz", "0 0 0")), "a.xyz: unknown ending '.xyz'; expected " + known);
+  EXPECT_EQ(error(write("a.xyz", "0 0 0")), "a.xyz: unknown ending '.xyz'; expected " + known +
+                                                ", or a format that is asked for, as by --format");
   EXPECT_EQ(error(write("b.tesserab", "\x01\x02")).substr(0, 24), "b.tesserab: the bytes ar");
   EXPECT_EQ(read_scene(write("by_content", "<X3D><Scene/></X3D>")).scene.cameras_size(), 1);
 }

@@ -106,6 +106,19 @@ TEST(GltfCompression, WhatIsNotInMeshoptimizersFormIsToldWithItsPlace) {
   }
 }
 
+TEST(GltfCompression, MeshoptimizersOwnStrideIsTaken) {
+  // Corners of four bytes that the accessor reads as two.
+  const std::string wide =
+      Binary()
+          .put_packed(packed_rows(kSquare, 12), 48, rows(12, 4))
+          .put_packed(packed_corners(kCorners, true), 24,
+                      R"("byteStride":4,"count":6,"mode":"TRIANGLES")")
+          .glb(kNode + mesh(R"({"attributes":{"POSITION":0},"indices":1})") + R"(,"accessors":[)" +
+               accessor(0, 5126, 4, "VEC3") + "," + accessor(1, 5123, 6, "SCALAR") + "]");
+  EXPECT_EQ(first_mesh(read(wide)).triangles.size(), 6u);
+  EXPECT_EQ(first_mesh(read(wide)).positions, kSquare);
+}
+
 // --------------------------------------------------------------------------------------- Draco
 
 /// The square with normals and texture coordinates as unique attributes 0, 1 and 2; exact.
@@ -197,6 +210,60 @@ TEST(GltfCompression, WhatIsNotInDracosFormIsToldWithItsPlace) {
   }
   EXPECT_THAT(error(draco_file(whole, R"("POSITION":7)")),
               HasSubstr(place + "/attributes/POSITION: attribute 7; expected one that the mesh"));
+}
+
+/// A file with these primitives, whose accessors 0 to 3 are as in draco_file() and 4 to 7 as these.
+std::string draco_primitives(const std::string& primitives, int corners = 5123) {
+  const std::string own = loose(5126, 4, "VEC3") + "," + loose(5126, 4, "VEC3") + "," +
+                          loose(5126, 4, "VEC2") + "," + loose(corners, 6, "SCALAR");
+  return Binary()
+      .put(draco_square())
+      .put(draco_square())
+      .glb(kNode + mesh(primitives) + R"(,"accessors":[)" + own + "," + own + "]");
+}
+
+std::string draco_primitive(int view, const std::string& accessors, const std::string& packed,
+                            const std::string& more = "") {
+  return R"({"attributes":{)" + accessors + R"(},"indices":3,"extensions":)" +
+         R"({"KHR_draco_mesh_compression":{"bufferView":)" + std::to_string(view) +
+         R"(,"attributes":{)" + packed + "}}}" + more + "}";
+}
+
+TEST(GltfCompression, AnAccessorHasTheRowsOfOneDracoMesh) {
+  const std::string at = R"("POSITION":0)";
+  const LoadedScene twice =
+      read(draco_primitives(draco_primitive(0, at, at) + "," + draco_primitive(0, at, at)));
+  EXPECT_EQ(twice.warnings, std::vector<std::string>{}) << "the same ones are no contradiction";
+  EXPECT_EQ(first_mesh(twice).triangles.size(), 12u);
+  const LoadedScene other =
+      read(draco_primitives(draco_primitive(0, at, at) + "," + draco_primitive(1, at, at)));
+  EXPECT_EQ(first_mesh(other).triangles.size(), 6u) << "the second primitive is left out";
+  EXPECT_THAT(only_warning(other),
+              HasSubstr("accessor 3, which has other compressed rows; expected one for each"));
+  EXPECT_THAT(error(draco_primitives(
+                  draco_primitive(0, R"("NORMAL":0,"POSITION":0)", R"("NORMAL":1,"POSITION":0)"))),
+              HasSubstr("attributes/POSITION: accessor 0, which has other compressed rows"));
+}
+
+TEST(GltfCompression, WhatADracoMeshLacksIsTold) {
+  EXPECT_THAT(error(draco_primitives(draco_primitive(0, R"("POSITION":0)", ""))),
+              HasSubstr("KHR_draco_mesh_compression/attributes: no POSITION; expected its number"));
+  const LoadedScene loaded =
+      read(draco_primitives(draco_primitive(0, R"("POSITION":0,"NORMAL":1)", R"("POSITION":0)")));
+  EXPECT_THAT(only_warning(loaded), HasSubstr("no NORMAL; expected its number in the compressed "
+                                              "mesh; zeros are read"));
+  // Texture coordinates as positions, and the other way round.
+  const LoadedScene narrow =
+      read(draco_primitives(draco_primitive(0, R"("POSITION":0)", R"("POSITION":2)")));
+  EXPECT_THAT(only_warning(narrow), HasSubstr("rows of 3; expected rows of 2, as in Draco's form"));
+  EXPECT_THAT(error(draco_primitives(
+                  draco_primitive(0, R"("POSITION":0,"_ID":7)", R"("POSITION":0,"_ID":0)"))),
+              HasSubstr("whole numbers; expected floats, as in Draco's form"));
+  const LoadedScene mode = read(
+      draco_primitives(draco_primitive(0, R"("POSITION":0)", R"("POSITION":0)", R"(,"mode":1)")));
+  EXPECT_EQ(first_mesh(mode).triangles.size(), 6u);
+  EXPECT_THAT(only_warning(mode),
+              HasSubstr("1; expected 4 or 5, as of compressed meshes; triangles are read"));
 }
 
 TEST(GltfCompression, WithoutDracoWhatIsThereIsRead) {
