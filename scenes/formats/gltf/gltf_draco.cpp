@@ -97,7 +97,9 @@ std::string corners_of(const GltfValue& place, const draco::Mesh& mesh,
 void unpack_draco(GltfFile& file, const GltfValue& primitive, const GltfValue& extension) {
   const auto view = extension["bufferView"].index(file.root()["bufferViews"].size(), "buffer view");
   if (!view) throw extension.error("no bufferView", "its index");
-  const auto mesh = decode(extension, file.view(*view).bytes);
+  const std::string_view bytes = file.view(*view).bytes;
+  file.spend(bytes.size(), extension);
+  const auto mesh = decode(extension, bytes);
   const auto give = [&](const GltfValue& reference, const std::string& rows, const auto& bytes_of,
                         size_t count) {
     const auto index = reference.index(file.root()["accessors"].size(), "accessor");

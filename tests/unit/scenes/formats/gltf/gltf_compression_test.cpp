@@ -266,6 +266,19 @@ TEST(GltfCompression, WhatADracoMeshLacksIsTold) {
               HasSubstr("1; expected 4 or 5, as of compressed meshes; triangles are read"));
 }
 
+TEST(GltfCompression, TheSameBytesAreNotUnpackedAgainAndAgain) {
+  const std::string one =
+      R"({"attributes":{"POSITION":0},"indices":1,"extensions":{"KHR_draco_mesh_compression":)"
+      R"({"bufferView":0,"attributes":{"POSITION":0}}}})";
+  std::string all = one;
+  for (int i = 0; i < 2100; ++i) all += "," + one;
+  EXPECT_THAT(error(Binary()
+                        .put(std::vector<char>(size_t{1} << 20, 'x'))
+                        .glb(kNode + mesh(all) + R"(,"accessors":[)" + loose(5126, 3, "VEC3") +
+                             "," + loose(5123, 3, "SCALAR") + "]")),
+              HasSubstr("too much in all"));
+}
+
 TEST(GltfCompression, WithoutDracoWhatIsThereIsRead) {
   const std::string file =
       Binary()
