@@ -186,7 +186,7 @@ MUTATIONS = [
     Mutation("light: areas without their cosine", "renderer/shapes/area_density.h",
              "facing = std::abs(dot(way, normal));", "facing = std::sqrt(squared) + 0 * normal.x;",
              "renderer_shapes_test", "SurfaceSampler.*"),
-    Mutation("light: fronts of lamps the other way", "renderer/shapes/area_density.h",
+    Mutation("light: fronts of area lights the other way", "renderer/shapes/area_density.h",
              "return flip ? -n : n;", "return flip ? n : -n;",
              "renderer_shapes_test", "SurfaceSampler.*"),
     Mutation("light: the density of panoramas off by 2 %, in both places",

@@ -47,7 +47,7 @@ class GltfFile {
   struct Rows {
     std::string bytes;
     size_t count = 0;
-    std::string source;  ///< which rows of which mesh they are
+    std::string source;  ///< names the rows and their mesh
   };
   void unpack(size_t accessor, Rows rows) { unpacked_[accessor] = std::move(rows); }
   /// Null: it has its own. Valid until the accessor is unpacked again.
