@@ -296,7 +296,8 @@ const BlobLayouts& blob_layouts() {
       {"positions", {kElementOf<float>, 3}},    {"normals", {kElementOf<float>, 3}},
       {"uvs", {kElementOf<float>, 2}},          {"colors", {kElementOf<float>, 4}},
       {"triangles", {kElementOf<uint32_t>, 3}}, {"face_materials", {kElementOf<uint32_t>, 0}},
-      {"tangents", {kElementOf<float>, 4}},     {"texels", {kElementOf<uint8_t>, 0}}};
+      {"tangents", {kElementOf<float>, 4}},     {"second_uvs", {kElementOf<float>, 2}},
+      {"texels", {kElementOf<uint8_t>, 0}}};
   return layouts;
 }
 

@@ -78,6 +78,7 @@ class Mesh(_messages.Mesh, Shape):
     :param triangles: of vertices, (t, 3); without it each three vertices are one.
     :param normals: (v, 3); without them triangles are flat.
     :param uvs: texture coordinates, (v, 2).
+    :param second_uvs: (v, 2), of textures whose `mapping` is "SECOND_UV".
     :param colors: (v, 3) or (v, 4), linear RGB and alpha.
     :param tangents: (v, 4), along which normal maps' x lies, and 1 or -1 for the side of their y;
         without them along u and v.
@@ -103,6 +104,8 @@ class Mesh(_messages.Mesh, Shape):
         "normals", "Of the vertices, (v, 3) float32.")
     uvs: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
         "uvs", "Texture coordinates of the vertices, (v, 2) float32.")
+    second_uvs: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
+        "second_uvs", "Second texture coordinates of the vertices, (v, 2) float32.")
     colors: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
         "colors", "Of the vertices, (v, 4) float32.")
     tangents: _ArrayField[Floats] = _ArrayField(  # type: ignore[assignment]
@@ -113,7 +116,7 @@ class Mesh(_messages.Mesh, Shape):
     def __init__(self, positions: Optional[ArrayLike] = None, triangles: Optional[ArrayLike] = None, *,
                  normals: Optional[ArrayLike] = None, uvs: Optional[ArrayLike] = None,
                  colors: Optional[ArrayLike] = None, face_materials: Optional[ArrayLike] = None,
-                 tangents: Optional[ArrayLike] = None,
+                 tangents: Optional[ArrayLike] = None, second_uvs: Optional[ArrayLike] = None,
                  materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
                  recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
                  material: Optional[Union[str, _messages.Material]] = None,
@@ -136,6 +139,7 @@ class Mesh(_messages.Mesh, Shape):
                     raise UsageError(f"positions: {count} without triangles; expected a multiple of 3")
                 triangles = [(i, i + 1, i + 2) for i in range(0, count, 3)]
         for field, given in (("triangles", triangles), ("normals", normals), ("uvs", uvs),
+                             ("second_uvs", second_uvs),
                              ("colors", colors), ("tangents", tangents),
                              ("face_materials", face_materials)):
             Mesh.__dict__[field].put(self, given, copy)
@@ -210,6 +214,7 @@ class Mesh(_messages.Mesh, Shape):
     def from_(cls, source: Any, *, normals: Optional[ArrayLike] = None,
               uvs: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
               face_materials: Optional[ArrayLike] = None, tangents: Optional[ArrayLike] = None,
+              second_uvs: Optional[ArrayLike] = None,
               materials: Iterable[Union[str, _messages.Material]] = (), closed: bool = False,
               recenter: bool = False, copy: Optional[bool] = None, name: Optional[str] = None,
               material: Optional[Union[str, _messages.Material]] = None,
@@ -231,6 +236,6 @@ class Mesh(_messages.Mesh, Shape):
             raise TypeError(f"{with_article(source)}; expected vertices or points, and faces, "
                             "triangles or cells")
         return cls(positions, triangles, normals=normals, uvs=uvs, colors=colors,
-                   face_materials=face_materials, tangents=tangents, materials=materials, closed=closed,
-                   recenter=recenter, copy=copy, name=name, material=material,
+                   face_materials=face_materials, tangents=tangents, second_uvs=second_uvs,
+                   materials=materials, closed=closed, recenter=recenter, copy=copy, name=name, material=material,
                    flip_normals=flip_normals, transform=transform, **unknown)

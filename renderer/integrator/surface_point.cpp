@@ -25,6 +25,14 @@ Vec3 transposed(const Affine& m, const Vec3& v) {
           m.m[0][2] * v.x + m.m[1][2] * v.y + m.m[2][2] * v.z};
 }
 
+TextureCoordinate uv_coordinate(const Vec2& uv, const Vec3& dpdu, const Vec3& dpdv,
+                                const TextureCoordinate& world) {
+  TextureCoordinate out{{uv.x, uv.y, 0}, {}, {}};
+  uv_along(dpdu, dpdv, world.a, out.a);
+  uv_along(dpdu, dpdv, world.b, out.b);
+  return out;
+}
+
 TexturePoint texture_point(const Scene& scene, const Ray& ray, double width,
                            const SurfacePoint& point) {
   const SurfaceInteraction& s = point.surface;
@@ -34,9 +42,9 @@ TexturePoint texture_point(const Scene& scene, const Ray& ray, double width,
   at.world.at = s.point - Point3{};
   add_patch(ray, width, point.geometric_normal, at.world);
   at.object = {to_object(s.point) - Point3{}, to_object(at.world.a), to_object(at.world.b)};
-  at.uv.at = {s.uv.x, s.uv.y, 0};
-  uv_along(s.dpdu, s.dpdv, at.world.a, at.uv.a);
-  uv_along(s.dpdu, s.dpdv, at.world.b, at.uv.b);
+  at.uv = uv_coordinate(s.uv, s.dpdu, s.dpdv, at.world);
+  at.second_uv =
+      s.has_second_uv ? uv_coordinate(s.second_uv, s.second_dpdu, s.second_dpdv, at.world) : at.uv;
   const auto front = static_cast<Vec3>(s.shading_normal);
   at.object_normal = normalize(transposed(world_from_object.matrix(), front));
   const Camera& camera = *scene.camera;
@@ -96,7 +104,9 @@ void look_up_textures(const Scene& scene, const Ray& ray, double width, SurfaceP
   if (inputs.normal_map == kNoTexture && inputs.bump == kNoTexture) return;
   // Relief is given as seen from the front.
   const double side = point.is_back ? -1 : 1;
-  const SurfaceFrame frame{point.normal * side, s.dpdu, s.dpdv, s.tangent, s.bitangent};
+  SurfaceFrame frame{point.normal * side, s.dpdu,        s.dpdv,       s.tangent,
+                     s.bitangent,         s.second_dpdu, s.second_dpdv};
+  if (!s.has_second_uv) frame.second_dpdu = s.dpdu, frame.second_dpdv = s.dpdv;
   // Nothing finer than the rounding of the point can be told apart.
   const double least = 0x1p-20 * max_component(abs(at.world.at));
   const Affine& to_object = scene.instances[s.instance].world_from_object.inverse_matrix();

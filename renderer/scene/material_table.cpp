@@ -63,16 +63,25 @@ bool MaterialTable::has_normal_map(uint32_t index) const {
   return inputs != kNoMaterialInputs && inputs_[inputs].normal_map != kNoTexture;
 }
 
-bool MaterialTable::needs_uv(uint32_t index) const {
+/// Whether `asks` says yes to a texture that the material looks at.
+template <class Asks>
+bool MaterialTable::any_texture(uint32_t index, const Asks& asks) const {
   if (materials_[index].inputs == kNoMaterialInputs) return false;
   const MaterialInputs& inputs = inputs_[materials_[index].inputs];
-  const auto by_uv = [&](uint32_t texture) {
-    return texture != kNoTexture && textures_.needs_uv(texture);
-  };
-  // A normal map is laid along the directions in which the coordinates grow.
-  return inputs.normal_map != kNoTexture || by_uv(inputs.bump) ||
+  const auto ask = [&](uint32_t texture) { return texture != kNoTexture && asks(texture); };
+  return ask(inputs.normal_map) || ask(inputs.bump) ||
          std::any_of(inputs.slots.begin(), inputs.slots.end(),
-                     [&](const MaterialInputs::Slot& slot) { return by_uv(slot.texture); });
+                     [&](const MaterialInputs::Slot& slot) { return ask(slot.texture); });
+}
+
+bool MaterialTable::needs_uv(uint32_t index) const {
+  // A normal map is laid along the directions in which the coordinates grow.
+  return has_normal_map(index) ||
+         any_texture(index, [&](uint32_t texture) { return textures_.needs_uv(texture); });
+}
+
+bool MaterialTable::needs_second_uv(uint32_t index) const {
+  return any_texture(index, [&](uint32_t texture) { return textures_.needs_second_uv(texture); });
 }
 
 }  // namespace tessera

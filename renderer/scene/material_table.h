@@ -27,6 +27,8 @@ class MaterialTable {
   const std::vector<Material>& materials() const { return materials_; }
   /// Whether shading with it depends on texture coordinates.
   bool needs_uv(uint32_t index) const;
+  /// Whether on the shape's second ones, where it has any.
+  bool needs_second_uv(uint32_t index) const;
   bool has_normal_map(uint32_t index) const;
   std::vector<Material> take() { return std::move(materials_); }
   std::vector<MaterialInputs> take_inputs() { return std::move(inputs_); }
@@ -39,6 +41,9 @@ class MaterialTable {
   std::vector<Material> materials_;
   std::vector<MaterialInputs> inputs_;
   int depth_ = 0;  ///< of backs within backs, in use()
+
+  template <class Asks>
+  bool any_texture(uint32_t index, const Asks& asks) const;
 };
 
 }  // namespace tessera

@@ -127,10 +127,13 @@ TriangleMesh read_mesh(const Where& where, const v1::TriangleMesh& in, const Blo
               "triangle");
   mesh.uvs = read_array<Float2>(where, "uvs", in.uvs(), in.inline_uvs(), blobs);
   check_count(where, "uvs", mesh.uvs.size(), mesh.positions.size(), "vertex");
+  mesh.second_uvs = read_blob<Float2>(where, "second_uvs", in.second_uvs(), blobs);
+  check_count(where, "second_uvs", mesh.second_uvs.size(), mesh.positions.size(), "vertex");
   mesh.tangents = read_blob<Float4>(where, "tangents", in.tangents(), blobs);
   check_count(where, "tangents", mesh.tangents.size(), mesh.positions.size(), "vertex");
   check_finite(where, "tangents", mesh.tangents, threads);
   check_finite(where, "uvs", mesh.uvs, threads);
+  check_finite(where, "second_uvs", mesh.second_uvs, threads);
   check_finite(where, "positions", mesh.positions, threads);
   check_finite(where, "normals", mesh.normals, threads);
   check_finite(where, "colors", mesh.colors, threads);

@@ -42,7 +42,7 @@ struct TakenMesh {
 /// Of all that take_mesh() reads of a shape.
 Digest key_of_taken(const v1::Shape& shape, const KeptAttributes& keep) {
   std::string key = "taken mesh " + shape.mesh().SerializeAsString();
-  for (const bool kept : {keep.normals, keep.uvs, keep.tangents, keep.colors})
+  for (const bool kept : {keep.normals, keep.uvs, keep.second_uvs, keep.tangents, keep.colors})
     key += kept ? '1' : '0';
   return Digest::of(key + std::to_string(shape.materials_size()));
 }
@@ -65,6 +65,7 @@ TakenMesh read_taken(const Where& where, const v1::Shape& shape, const ShapeSour
   };
   if (!source.keep.normals) drop(mesh->normals);
   if (!source.keep.uvs) drop(mesh->uvs);
+  if (!source.keep.second_uvs) drop(mesh->second_uvs);
   if (!source.keep.tangents) drop(mesh->tangents);
   if (!source.keep.colors && all_opaque) drop(mesh->colors);
   built.bytes = mesh->bytes();

@@ -16,7 +16,7 @@ namespace tessera {
 
 /// What of a mesh some material of its shape looks at.
 struct KeptAttributes {
-  bool normals = false, uvs = false, tangents = false;
+  bool normals = false, uvs = false, second_uvs = false, tangents = false;
   bool colors = false;  ///< else they are kept where some alpha is not 1
 };
 

@@ -143,6 +143,9 @@ std::shared_ptr<const ImageTexture> read_image_texture(const Where& where,
 void read_mapping(const Where& where, const v1::Texture& in, Texture& out) {
   out.transform = read_transform(where, in.transform());
   switch (in.mapping()) {
+    case v1::Texture::SECOND_UV:
+      out.mapping = TextureMapping::second_uv;
+      break;
     case v1::Texture::OBJECT:
       out.mapping = TextureMapping::object;
       break;

@@ -45,7 +45,11 @@ class SceneBuilder {
         source_{.blobs = blobs,
                 .accelerator = {},
                 .threads = threads,
-                .keep = {.normals = true, .uvs = true, .tangents = true, .colors = true},
+                .keep = {.normals = true,
+                         .uvs = true,
+                         .second_uvs = true,
+                         .tangents = true,
+                         .colors = true},
                 .sharing = sharing},
         textures_(description, blobs),
         materials_(description, textures_) {}
@@ -261,6 +265,7 @@ class SceneBuilder {
         entry.has_alpha |= sides[side]->has_alpha();
         const uint32_t number = side == 0 ? index : material->back;
         entry.keep.uvs |= materials_.needs_uv(number);
+        entry.keep.second_uvs |= materials_.needs_second_uv(number);
         entry.keep.tangents |= materials_.has_normal_map(number);
         entry.keep.normals |= shows_normals(*sides[side]);
         entry.keep.colors |= shows_colors(*sides[side]);

@@ -91,10 +91,12 @@ uint32_t TextureTable::use(const Where& where, const std::string& name) {
       fail_value(place, "its kind", "missing", "image, checker, noise or gradient");
   }
   const auto index = static_cast<uint32_t>(textures_.size());
-  Facts facts{out.mapping == TextureMapping::uv, 1};
+  const bool by_second = out.mapping == TextureMapping::second_uv;
+  Facts facts{by_second || out.mapping == TextureMapping::uv, by_second};
   for (const uint32_t part : {out.odd.texture, out.even.texture}) {
     if (part == kNoTexture) continue;
     facts.needs_uv |= facts_[part].needs_uv;
+    facts.needs_second_uv |= facts_[part].needs_second_uv;
     facts.depth = std::max(facts.depth, facts_[part].depth + 1);
   }
   const auto depth = static_cast<size_t>(facts.depth);

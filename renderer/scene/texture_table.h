@@ -32,6 +32,8 @@ class TextureTable {
   const Texture& operator[](uint32_t index) const { return textures_[index]; }
   /// Whether its value depends on texture coordinates of the shape.
   bool needs_uv(uint32_t index) const { return facts_[index].needs_uv; }
+  /// Whether on its second ones, where it has any.
+  bool needs_second_uv(uint32_t index) const { return facts_[index].needs_second_uv; }
   /// Bytes of texels that some texture uses, each blob once.
   uint64_t texel_bytes() const;
   size_t size() const { return textures_.size(); }
@@ -48,7 +50,7 @@ class TextureTable {
   std::unordered_map<std::string, uint64_t> blob_bytes_;
   std::vector<const v1::Texture*> active_;  ///< being read, each for the one before
   struct Facts {
-    bool needs_uv = false;
+    bool needs_uv = false, needs_second_uv = false;
     int depth = 1;
   };
   std::vector<Facts> facts_;  ///< one a texture

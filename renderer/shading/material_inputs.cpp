@@ -95,6 +95,7 @@ double height_at(const MaterialInputs& inputs, TexturePoint point,
                  std::span<const Texture> textures, const Vec3& uv_step, const Vec3& object_step,
                  const Vec3& world_step) {
   point.uv.at = point.uv.at + uv_step;
+  point.second_uv.at = point.second_uv.at + uv_step;
   point.object.at = point.object.at + object_step;
   point.world.at = point.world.at + world_step;
   return inputs.bump_height *
@@ -105,12 +106,13 @@ Vec3 mapped_normal(const MaterialInputs& inputs, const TexturePoint& point,
                    std::span<const Texture> textures, const SurfaceFrame& frame) {
   const Vec3& n = frame.normal;
   const bool is_given = length_squared(frame.tangent) > 0;
-  const Vec3& given = is_given ? frame.tangent : frame.dpdu;
+  const auto [dpdu, dpdv] = frame.derivatives(textures[inputs.normal_map]);
+  const Vec3& given = is_given ? frame.tangent : dpdu;
   const Vec3 along_u = given - n * dot(n, given);
   if (!(length_squared(along_u) > 0)) return n;
   const Vec3 tangent = normalize(along_u);
   Vec3 bitangent = cross(n, tangent);
-  if (dot(bitangent, is_given ? frame.bitangent : frame.dpdv) < 0) bitangent = -bitangent;
+  if (dot(bitangent, is_given ? frame.bitangent : dpdv) < 0) bitangent = -bitangent;
   const Color c = look_up(textures[inputs.normal_map], point, textures).color;
   const double scale = inputs.normal_scale;
   const Vec3 mapped =
@@ -125,12 +127,15 @@ Vec3 bumped_normal(const MaterialInputs& inputs, const TexturePoint& point,
   const Vec3& n = frame.normal;
   const Vec3 first = normalize(cross(n, std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   const Vec3 tangents[] = {first, cross(n, first)};
-  const bool by_uv = textures[inputs.bump].mapping == TextureMapping::uv;
+  const Texture& bump = textures[inputs.bump];
+  const bool by_uv =
+      bump.mapping == TextureMapping::uv || bump.mapping == TextureMapping::second_uv;
+  const auto [dpdu, dpdv] = frame.derivatives(bump);
   Vec3 slope{};
   for (const Vec3& tangent : tangents) {
     const Vec3 world = tangent * (step / 2);
     Vec3 uv;
-    if (!uv_along(frame.dpdu, frame.dpdv, world, uv) && by_uv) return normal;
+    if (!uv_along(dpdu, dpdv, world, uv) && by_uv) return normal;
     const Vec3 object = to_object(world);
     const double ahead = height_at(inputs, point, textures, uv, object, world);
     const double behind = height_at(inputs, point, textures, -uv, -object, -world);

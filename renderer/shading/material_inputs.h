@@ -63,10 +63,18 @@ struct VertexColor {
 void resolve_material(const MaterialInputs& inputs, const TexturePoint& point,
                       std::span<const Texture> textures, VertexColor& vertex, Material& material);
 
-/// A frame of a surface: unit normal, and the point's derivatives by uv (zero where there is none).
+/// A frame of a surface: unit normal, and the point's derivatives by uv and by the second uv (zero
+/// where there is none).
 struct SurfaceFrame {
   Vec3 normal, dpdu, dpdv;
-  Vec3 tangent{}, bitangent{};  ///< along which a normal map lies; zero: dpdu and dpdv
+  Vec3 tangent{}, bitangent{};  ///< along which a normal map lies; zero: as its texture's u and v
+  Vec3 second_dpdu{}, second_dpdv{};
+
+  /// By the coordinates that the texture takes.
+  std::pair<const Vec3&, const Vec3&> derivatives(const Texture& texture) const {
+    if (texture.mapping == TextureMapping::second_uv) return {second_dpdu, second_dpdv};
+    return {dpdu, dpdv};
+  }
 };
 
 /// The unit normal that normal map and bump map make of frame.normal. `to_object` takes world

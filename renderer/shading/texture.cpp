@@ -20,6 +20,9 @@ TextureCoordinate coordinate_of(const Texture& texture, const TexturePoint& poin
     case TextureMapping::uv:
       c = point.uv;
       break;
+    case TextureMapping::second_uv:
+      c = point.second_uv;
+      break;
     case TextureMapping::object:
       c = point.object;
       break;

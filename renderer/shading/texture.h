@@ -21,11 +21,11 @@ struct TextureCoordinate {
 
 /// The places of one surface point by every mapping.
 struct TexturePoint {
-  TextureCoordinate uv, object, world;
+  TextureCoordinate uv, second_uv, object, world;
   Vec3 object_normal, view_normal;  ///< unit
 };
 
-enum class TextureMapping : uint8_t { uv, object, world, object_normal, view_normal };
+enum class TextureMapping : uint8_t { uv, second_uv, object, world, object_normal, view_normal };
 enum class TextureKind : uint8_t { image, checker, noise, gradient };
 enum class NoiseKind : uint8_t { perlin, turbulence, marble, wood };
 

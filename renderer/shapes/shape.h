@@ -28,11 +28,14 @@ struct LocalSurface {
   Normal3 shading_normal;    ///< unit; equals geometric_normal where nothing smooths it
   Vec3 smooth_shift;         ///< outward, to the surface that vertex normals stand for; or zero
   Vec2 uv;
-  Vec3 dpdu, dpdv;          ///< derivatives of the point by uv; zero where there is no uv
+  Vec3 dpdu, dpdv;  ///< derivatives of the point by uv; zero where there is no uv
+  Vec2 second_uv;   ///< by a mesh's second texture coordinates, where has_second_uv
+  Vec3 second_dpdu, second_dpdv;
   Vec3 tangent, bitangent;  ///< along which normal maps lie; zero: dpdu and dpdv
   Color vertex_color = kWhite;
   double vertex_alpha = 1;
   bool has_vertex_color = false;
+  bool has_second_uv = false;
   uint32_t material = 0;  ///< index into the shape's materials
   uint32_t instance = 0;  ///< in world space: whose shape it is
 };

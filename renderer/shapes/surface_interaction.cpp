@@ -32,6 +32,10 @@ void place_moved(const Transform& world_from_object, LocalSurface& s) {
   s.smooth_shift = world_from_object.vector(s.smooth_shift);
   s.dpdu = world_from_object.vector(s.dpdu);
   s.dpdv = world_from_object.vector(s.dpdv);
+  if (s.has_second_uv) {
+    s.second_dpdu = world_from_object.vector(s.second_dpdu);
+    s.second_dpdv = world_from_object.vector(s.second_dpdv);
+  }
   s.tangent = world_from_object.vector(s.tangent);
   s.bitangent = world_from_object.vector(s.bitangent);
 }

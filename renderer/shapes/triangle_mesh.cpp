@@ -26,19 +26,19 @@ bool finite(const Float3& p) {
 
 Vec3 to_vec(const Float3& v) { return {v.x, v.y, v.z}; }
 
-void add_uv(const TriangleMesh& mesh, const TriangleIndices& index,
-            const std::array<Point3, 3>& corner, const std::array<double, 3>& weight,
-            LocalSurface& surface) {
-  const Float2 a = mesh.uvs[index[0]], b = mesh.uvs[index[1]], c = mesh.uvs[index[2]];
-  surface.uv = {weight[0] * a.x + weight[1] * b.x + weight[2] * c.x,
-                weight[0] * a.y + weight[1] * b.y + weight[2] * c.y};
+void add_uv(std::span<const Float2> uvs, const TriangleIndices& index,
+            const std::array<Point3, 3>& corner, const std::array<double, 3>& weight, Vec2& uv,
+            Vec3& dpdu, Vec3& dpdv) {
+  const Float2 a = uvs[index[0]], b = uvs[index[1]], c = uvs[index[2]];
+  uv = {weight[0] * a.x + weight[1] * b.x + weight[2] * c.x,
+        weight[0] * a.y + weight[1] * b.y + weight[2] * c.y};
   const double du1 = double{b.x} - a.x, dv1 = double{b.y} - a.y;
   const double du2 = double{c.x} - a.x, dv2 = double{c.y} - a.y;
   const double det = difference_of_products(du1, dv2, dv1, du2);
   if (det == 0) return;
   const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-  surface.dpdu = (e1 * dv2 - e2 * dv1) / det;
-  surface.dpdv = (e2 * du1 - e1 * du2) / det;
+  dpdu = (e1 * dv2 - e2 * dv1) / det;
+  dpdv = (e2 * du1 - e1 * du2) / det;
 }
 
 /// bitangent = cross(normal, tangent.xyz) * tangent.w (Khronos, glTF 2.0 specification, 3.7.2.1).
@@ -101,7 +101,7 @@ Bounds3 TriangleMesh::bounds() const {
 
 size_t TriangleMesh::bytes() const {
   return positions.size() * sizeof(Float3) + triangles.size() * sizeof(TriangleIndices) +
-         normals.size() * sizeof(Float3) + uvs.size() * sizeof(Float2) +
+         normals.size() * sizeof(Float3) + (uvs.size() + second_uvs.size()) * sizeof(Float2) +
          (colors.size() + tangents.size()) * sizeof(Float4) +
          (face_materials.size() + original_numbers.size()) * sizeof(uint32_t);
 }
@@ -166,7 +166,13 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
       if (is_finite(shift)) surface.smooth_shift = shift;
     }
   }
-  if (!mesh.uvs.empty()) add_uv(mesh, index, corner, weight, surface);
+  if (!mesh.uvs.empty())
+    add_uv(mesh.uvs, index, corner, weight, surface.uv, surface.dpdu, surface.dpdv);
+  if (!mesh.second_uvs.empty()) {
+    add_uv(mesh.second_uvs, index, corner, weight, surface.second_uv, surface.second_dpdu,
+           surface.second_dpdv);
+    surface.has_second_uv = true;
+  }
   if (!mesh.tangents.empty()) add_tangent(mesh, index, weight, surface);
   if (!mesh.colors.empty()) {
     const auto blend = [&](float Float4::*channel) {

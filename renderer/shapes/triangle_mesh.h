@@ -31,6 +31,7 @@ struct TriangleMesh {
   std::vector<TriangleIndices> triangles;
   std::vector<Float3> normals;           ///< one a vertex; any length but 0
   std::vector<Float2> uvs;               ///< one a vertex
+  std::vector<Float2> second_uvs;        ///< one a vertex
   std::vector<Float4> colors;            ///< one a vertex: linear RGBA
   std::vector<Float4> tangents;          ///< one a vertex; w is the side of the bitangent
   std::vector<uint32_t> face_materials;  ///< one a triangle

@@ -63,6 +63,7 @@ v1::TriangleMesh store_mesh(MeshData mesh, BlobStore& blobs) {
   store(mesh.triangles, blobs, out.mutable_triangles());
   if (!mesh.normals.empty()) store(mesh.normals, blobs, out.mutable_normals());
   if (!mesh.uvs.empty()) store(mesh.uvs, blobs, out.mutable_uvs());
+  if (!mesh.second_uvs.empty()) store(mesh.second_uvs, blobs, out.mutable_second_uvs());
   if (!mesh.colors.empty()) store(mesh.colors, blobs, out.mutable_colors());
   if (!mesh.tangents.empty()) store(mesh.tangents, blobs, out.mutable_tangents());
   if (!mesh.face_materials.empty()) store(mesh.face_materials, blobs, out.mutable_face_materials());

@@ -13,6 +13,7 @@ struct MeshData {
   std::vector<float> positions;          ///< x y z a vertex
   std::vector<float> normals;            ///< x y z a vertex
   std::vector<float> uvs;                ///< u v a vertex
+  std::vector<float> second_uvs;         ///< u v a vertex
   std::vector<float> colors;             ///< r g b a a vertex
   std::vector<float> tangents;           ///< x y z and the bitangent's side a vertex
   std::vector<uint32_t> triangles;       ///< three vertices a triangle

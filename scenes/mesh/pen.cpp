@@ -160,6 +160,7 @@ MeshData draw_strokes(const Pen& pen, const MeshData& vertices,
   MeshData out;
   out.normals = gather(vertices.normals, 3, strokes.sources);
   out.uvs = gather(vertices.uvs, 2, strokes.sources);
+  out.second_uvs = gather(vertices.second_uvs, 2, strokes.sources);
   out.colors = gather(vertices.colors, 4, strokes.sources);
   out.positions = std::move(strokes.positions);
   const uint32_t* corner = strokes.corners.data();

@@ -41,10 +41,11 @@ def test_arrays_of_ctypes_are_taken_everywhere():
     vertices, colors = of_ctypes(ctypes.c_float, CUBE), np.linspace(0, 1, 24).reshape(8, 3)
     mesh = ts.Mesh(vertices, of_ctypes(ctypes.c_int, FACES),
                    normals=of_ctypes(ctypes.c_double, CUBE - .5),
-                   uvs=of_ctypes(ctypes.c_float, CUBE[:, :2]), colors=of_ctypes(ctypes.c_float, colors),
+                   uvs=of_ctypes(ctypes.c_float, CUBE[:, :2]),
+                   second_uvs=of_ctypes(ctypes.c_float, CUBE[:, 1:]), colors=of_ctypes(ctypes.c_float, colors),
                    tangents=of_ctypes(ctypes.c_float, np.ones((8, 4))),
                    materials=["a", "b"], face_materials=of_ctypes(ctypes.c_ubyte, np.array([0, 1, 0])))
-    assert mesh == ts.Mesh(CUBE, FACES, normals=CUBE - .5, uvs=CUBE[:, :2], colors=colors,
+    assert mesh == ts.Mesh(CUBE, FACES, normals=CUBE - .5, uvs=CUBE[:, :2], second_uvs=CUBE[:, 1:], colors=colors,
                            tangents=np.ones((8, 4)), materials=["a", "b"], face_materials=[0, 1, 0])
     matrices = np.arange(24.0).reshape(2, 3, 4)
     assert (ts.Scene().instances("it", of_ctypes(ctypes.c_double, matrices))

@@ -149,7 +149,8 @@ def rays_of(call, result):
 
 
 def of_mesh(made):
-    fields = {"normals": TRIANGLE + 1, "uvs": TRIANGLE[:, :2], "colors": COLORS, "face_materials": np.array([0]),
+    fields = {"normals": TRIANGLE + 1, "uvs": TRIANGLE[:, :2], "second_uvs": TRIANGLE[:, 1:],
+              "colors": COLORS, "face_materials": np.array([0]),
               "tangents": np.ones((3, 4))}
     return {field: (array, lambda a, field=field: made(**{field: a})) for field, array in fields.items()}
 

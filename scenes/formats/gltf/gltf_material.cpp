@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "renderer/math/elementary.h"
@@ -29,23 +30,9 @@ std::vector<double> emission(const GltfValue& in) {
   return glow;
 }
 
-/// The objects of a material that refer to textures, the most visible first.
-std::vector<GltfValue> texture_infos(const GltfValue& in) {
-  const GltfValue pbr = in["pbrMetallicRoughness"], more = in["extensions"];
-  return {pbr["baseColorTexture"],
-          pbr["metallicRoughnessTexture"],
-          in["normalTexture"],
-          in["emissiveTexture"],
-          in["occlusionTexture"],
-          more["KHR_materials_transmission"]["transmissionTexture"],
-          more["KHR_materials_clearcoat"]["clearcoatTexture"],
-          more["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"]};
-}
-
 }  // namespace
 
 const std::string& GltfMaterials::use(const GltfMaterialUse& which) { return find(which).name; }
-size_t GltfMaterials::uv_set(const GltfMaterialUse& which) { return find(which).uv_set; }
 
 const GltfMaterials::Known& GltfMaterials::find(const GltfMaterialUse& which) {
   const auto [known, is_new] = known_.try_emplace(which);
@@ -56,7 +43,7 @@ const GltfMaterials::Known& GltfMaterials::find(const GltfMaterialUse& which) {
     made = convert(in, which.is_unlit);
     const std::string name = in["name"].text("");
     known->second.name = unique_(name.empty() ? fmt::format("material {}", *which.index) : name);
-    known->second.uv_set = choose_uv_set(in);
+    known->second.uv_sets = std::exchange(uv_sets_, {});
   } else {
     if (which.is_unlit)
       made.mutable_unlit();
@@ -69,31 +56,18 @@ const GltfMaterials::Known& GltfMaterials::find(const GltfMaterialUse& which) {
   return known->second;
 }
 
-size_t GltfMaterials::choose_uv_set(const GltfValue& in) {
-  std::optional<size_t> chosen;
-  for (const GltfValue& info : texture_infos(in)) {
-    if (!info) continue;
-    const GltfValue moved = info["extensions"]["KHR_texture_transform"]["texCoord"];
-    const size_t set = (moved ? moved : info["texCoord"]).whole().value_or(0);
-    if (!chosen) chosen = set;
-    if (set != *chosen)
-      warnings_.add("materials with several sets of texture coordinates take their first one");
-  }
-  return chosen.value_or(0);
-}
-
 void GltfMaterials::color(const std::vector<double>& factor, const GltfValue& info,
                           v1::ColorInput* out) {
   out->mutable_value()->set_r(factor[0]);
   out->mutable_value()->set_g(factor[1]);
   out->mutable_value()->set_b(factor[2]);
-  out->set_texture(textures_.use(info, Image::ENCODING_SRGB));
+  out->set_texture(textures_.use(info, Image::ENCODING_SRGB, uv_sets_));
 }
 
 void GltfMaterials::number(const GltfValue& factor, double without, const GltfValue& info,
                            v1::FloatInput::Channel channel, v1::FloatInput* out) {
   out->set_value(share(factor, without));
-  out->set_texture(textures_.use(info, Image::ENCODING_LINEAR));
+  out->set_texture(textures_.use(info, Image::ENCODING_LINEAR, uv_sets_));
   if (!out->texture().empty()) out->set_channel(channel);
 }
 
@@ -116,7 +90,7 @@ v1::Material GltfMaterials::convert(const GltfValue& in, bool is_unlit) {
   const bool clear = out.physical().has_transmission() && !out.physical().thin();
   if (!in["doubleSided"].flag(false) && !clear) out.set_sides(v1::Material::FRONT_ONLY);
   if (const GltfValue normals = in["normalTexture"]) {
-    out.set_normal_map(textures_.use(normals, Image::ENCODING_LINEAR));
+    out.set_normal_map(textures_.use(normals, Image::ENCODING_LINEAR, uv_sets_));
     if (const GltfValue scale = normals["scale"]) out.set_normal_scale(scale.number(1));
   }
   return out;

@@ -14,6 +14,10 @@
 
 namespace tessera {
 
+/// Which sets of texture coordinates a material's textures take, in the order of their first use:
+/// TEXCOORD_n by its number. A mesh has two.
+using GltfUvSets = std::vector<size_t>;
+
 /// A glTF file's textures and samplers as ours. Pictures that the file holds itself go to
 /// LoadedScene::pictures.
 class GltfTextures {
@@ -22,8 +26,9 @@ class GltfTextures {
   GltfTextures(GltfFile& file, PictureCheck check, LoadedScene& out, Warnings& warnings)
       : file_(file), check_(std::move(check)), out_(out), warnings_(warnings) {}
 
-  /// The name of the texture that a textureInfo object refers to, empty where there is none.
-  std::string use(const GltfValue& info, v1::Texture::Image::Encoding encoding);
+  /// The name of the texture that a textureInfo object refers to, empty where there is none. Its
+  /// set of texture coordinates is added to its material's.
+  std::string use(const GltfValue& info, v1::Texture::Image::Encoding encoding, GltfUvSets& sets);
   bool is_used(size_t index) const { return used_.contains(index); }
   /// Of the textures used so far.
   const TextureSet& all() const { return textures_; }
@@ -33,6 +38,7 @@ class GltfTextures {
   std::string picture(const GltfValue& image, size_t index);
   static void sample(const GltfValue& sampler, v1::Texture::Image& image);
   static void place(const GltfValue& transform, v1::Texture& texture);
+  v1::Texture::Mapping mapping(const GltfValue& info, GltfUvSets& sets);
 
   GltfFile& file_;
   PictureCheck check_;
@@ -61,8 +67,7 @@ class GltfMaterials {
 
   /// Its name in the scene.
   const std::string& use(const GltfMaterialUse& which);
-  /// Which set of texture coordinates its textures take. A mesh has one.
-  size_t uv_set(const GltfMaterialUse& which);
+  const GltfUvSets& uv_sets(const GltfMaterialUse& which) { return find(which).uv_sets; }
   const TextureSet& textures() const { return textures_.all(); }
   bool is_used(size_t index) const {
     return known_.contains({index, false}) || known_.contains({index, true});
@@ -72,7 +77,7 @@ class GltfMaterials {
  private:
   struct Known {
     std::string name;
-    size_t uv_set = 0;
+    GltfUvSets uv_sets;
   };
 
   const Known& find(const GltfMaterialUse& which);
@@ -80,7 +85,6 @@ class GltfMaterials {
   void physical(const GltfValue& in, v1::Material& out);
   void layers(const GltfValue& extensions, v1::Physical& out);
   void coverage(const GltfValue& in, const GltfValue& base, v1::Material& out);
-  size_t choose_uv_set(const GltfValue& in);
   void color(const std::vector<double>& factor, const GltfValue& info, v1::ColorInput* out);
   void number(const GltfValue& factor, double without, const GltfValue& info,
               v1::FloatInput::Channel channel, v1::FloatInput* out);
@@ -91,6 +95,7 @@ class GltfMaterials {
   Warnings& warnings_;
   UniqueNames unique_;
   std::map<GltfMaterialUse, Known> known_;
+  GltfUvSets uv_sets_;  ///< of the material that is converted
 };
 
 }  // namespace tessera

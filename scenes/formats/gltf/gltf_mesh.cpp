@@ -75,7 +75,7 @@ struct GltfMeshes::Group {
 
 std::string GltfMeshes::Attributes::key() const {
   std::string key;
-  for (const GltfValue* value : {&position, &normal, &uv, &color, &tangent}) {
+  for (const GltfValue* value : {&position, &normal, &uv, &second_uv, &color, &tangent}) {
     const auto index = value->whole();
     key += index ? fmt::format("{} ", *index) : "- ";
   }
@@ -97,12 +97,22 @@ GltfMeshes::Attributes GltfMeshes::attributes_of(const GltfValue& primitive,
     attributes_[name] = true;
     return in[name.c_str()];
   };
-  std::string uv = fmt::format("TEXCOORD_{}", materials_.uv_set(material));
-  if (!in[uv.c_str()] && in["TEXCOORD_0"]) {
-    in.repair("no " + uv, "the texture coordinates that its material uses", "TEXCOORD_0 is taken");
-    uv = "TEXCOORD_0";
-  }
-  Attributes out{use("POSITION"), use("NORMAL"), use(uv), use("COLOR_0"), use("TANGENT"), {}, {}};
+  const GltfUvSets& sets = materials_.uv_sets(material);
+  const auto uv_set = [&](size_t which) {
+    const std::string name = fmt::format("TEXCOORD_{}", sets.size() > which ? sets[which] : 0);
+    if (in[name.c_str()] || !in["TEXCOORD_0"]) return name;
+    in.repair("no " + name, "the texture coordinates that its material uses",
+              "TEXCOORD_0 is taken");
+    return std::string("TEXCOORD_0");
+  };
+  Attributes out{use("POSITION"),
+                 use("NORMAL"),
+                 use(uv_set(0)),
+                 sets.size() > 1 ? use(uv_set(1)) : GltfValue{nullptr, nullptr, ""},
+                 use("COLOR_0"),
+                 use("TANGENT"),
+                 {},
+                 {}};
   for (size_t set = 0; is_bent; ++set) {
     const std::string joints = fmt::format("JOINTS_{}", set),
                       shares = fmt::format("WEIGHTS_{}", set);
@@ -370,8 +380,13 @@ std::optional<v1::Node> GltfMeshes::finish(Group& group, const GltfSkin* skin, c
     add_targets("NORMAL", group, mesh.normals);
     replace_endless(mesh.normals, 3, 0);
   }
-  mesh.uvs = finite_rows(from.uv, 2, 0, group);
-  for (size_t i = 1; i < mesh.uvs.size(); i += 2) mesh.uvs[i] = 1 - mesh.uvs[i];
+  const auto uvs = [&](const GltfValue& reference) {
+    std::vector<float> out = finite_rows(reference, 2, 0, group);
+    for (size_t i = 1; i < out.size(); i += 2) out[i] = 1 - out[i];
+    return out;
+  };
+  mesh.uvs = uvs(from.uv);
+  mesh.second_uvs = uvs(from.second_uv);
   mesh.colors = finite_rows(from.color, 4, 1, group);
   limit_colors(from.color, mesh.colors);
   for (size_t i = 0; i < mesh.colors.size(); ++i)

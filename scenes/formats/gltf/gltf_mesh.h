@@ -41,7 +41,7 @@ class GltfMeshes {
   /// Where the numbers of a primitive's vertices stand: accessors' values, empty where there is
   /// none.
   struct Attributes {
-    GltfValue position, normal, uv, color, tangent;
+    GltfValue position, normal, uv, second_uv, color, tangent;
     std::vector<std::pair<GltfValue, double>> targets;        ///< with their weights
     std::vector<std::pair<GltfValue, GltfValue>> influences;  ///< joints with their weights
     std::string key() const;                                  ///< equal for equal accessors

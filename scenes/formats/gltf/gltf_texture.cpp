@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -114,7 +115,22 @@ std::optional<size_t> GltfTextures::readable_image(const GltfValue& texture) {
   return std::nullopt;
 }
 
-std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encoding encoding) {
+v1::Texture::Mapping GltfTextures::mapping(const GltfValue& info, GltfUvSets& sets) {
+  constexpr size_t kMost = 2;
+  const GltfValue moved = info["extensions"]["KHR_texture_transform"]["texCoord"];
+  const size_t set = (moved ? moved : info["texCoord"]).whole().value_or(0);
+  if (sets.size() < kMost && std::find(sets.begin(), sets.end(), set) == sets.end())
+    sets.push_back(set);
+  if (set == sets.front()) return v1::Texture::UV;
+  if (set != sets.back())
+    warnings_.add(
+        "a material has more than two sets of texture coordinates; the second stands for the rest",
+        [&] { return info.place(); });
+  return v1::Texture::SECOND_UV;
+}
+
+std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encoding encoding,
+                              GltfUvSets& sets) {
   if (!info) return "";
   const GltfValue which = info["index"];
   if (!which) info.repair("no texture", "its index", "it is left out");
@@ -132,6 +148,7 @@ std::string GltfTextures::use(const GltfValue& info, v1::Texture::Image::Encodin
   const auto sampler = in["sampler"].index(file_.root()["samplers"].size(), "sampler");
   if (sampler) sample(file_.element("samplers", *sampler), image);
   place(info["extensions"]["KHR_texture_transform"], texture);
+  texture.set_mapping(mapping(info, sets));
   const std::string name = in["name"].text(source_image["name"].text(""));
   texture.set_name(name.empty() ? fmt::format("texture {}", *index) : name);
   return textures_.add(std::move(texture));

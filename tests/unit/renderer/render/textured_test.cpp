@@ -295,6 +295,69 @@ std::string floats(BlobStore& blobs, const std::string& field, const std::vector
   return field + " { size: " + size + " digest: '" + blobs.put(std::move(bytes)).hex() + "' } ";
 }
 
+TEST(Textured, second_texture_coordinates) {
+  BlobStore blobs;
+  // By the first coordinates x leads to the right, by the second ones to the left.
+  const std::string corners =
+                        "inline_positions: [-9,-9,0, 9,-9,0, 0,9,0] inline_triangles: [0,1,2] ",
+                    first = "inline_uvs: [0,0, 1,0, .5,.5] ",
+                    second = floats(blobs, "second_uvs", {1, 0, 0, 0, 1, 1});
+  const auto mesh = [&](const std::string& uvs, const std::string& placed = "") {
+    return "nodes { " + placed + " shape { materials: 'm' mesh { " + corners + uvs + "} } } ";
+  };
+  const auto ramp = [](const std::string& mapping) {
+    return "textures { name: 't' gradient { positions: 0 positions: 1 colors {} colors { r: 1 g: 1 "
+           "b: 1 } } mapping: " +
+           mapping + " } " + material("unlit { color { texture: 't' } }");
+  };
+  expect_pixel(ramp("UV") + mesh(first + second), blobs, .5, .5, .5);
+  expect_pixel(ramp("SECOND_UV") + mesh(first + second), blobs, .75, .75, .75);
+  expect_pixel(ramp("SECOND_UV") + mesh(first), blobs, .5, .5, .5);
+  expect_pixel(ramp("SECOND_UV") + mesh(second), blobs, .75, .75, .75);
+
+  // Relief leans as its own coordinates do, wherever the mesh is turned.
+  const std::string from_left = "nodes { light { directional { direction { x: .6 z: -.8 } } } } ",
+                    turned = "transform { steps { rotate { axis { z: 1 } angle: 180 } } }",
+                    white = "classic { diffuse { value { r: 1 g: 1 b: 1 } } } ";
+  const std::string map =
+      image(blobs, "n", 1, 1, 3, {255, 128, 128}, "") + material(white + "normal_map: 'n'");
+  const auto mapped = [&](const std::string& mapping) {
+    std::string text = map;
+    return text.insert(text.find("image {"), "mapping: " + mapping + " ") + from_left;
+  };
+  const auto shown = [&](const std::string& scene) {
+    return render_text(scene, 1, 1, blobs).values[0];
+  };
+  EXPECT_NEAR(shown(mapped("UV") + mesh(first + second, turned)), .6, .01);
+  EXPECT_NEAR(shown(mapped("UV") + mesh(first + second)), 0, .01);
+  EXPECT_NEAR(shown(mapped("SECOND_UV") + mesh(first + second)), .6, .01);
+  EXPECT_NEAR(shown(mapped("SECOND_UV") + mesh(first + second, turned)), 0, .01);
+  EXPECT_NEAR(shown(mapped("SECOND_UV") + mesh(first, turned)), .6, .01);
+  const auto bump = [&](const std::string& mapping) {
+    return "textures { name: 't' gradient { positions: 0 positions: 1 colors {} colors { r: 1 } } "
+           "mapping: " +
+           mapping + " } " + material(white + "bump { texture: 't' value: 13.5 }") + from_left;
+  };
+  EXPECT_NEAR(shown(bump("UV") + mesh(first + second)), 1, .001) << "a slope of .75 to the left";
+  EXPECT_NEAR(shown(bump("SECOND_UV") + mesh(first + second)),
+              .35 / std::sqrt(1 + .75 * .75 + .375 * .375), .001)
+      << "of .75 to the right and .375 down";
+
+  const auto dropped = [&](const std::string& scene) {
+    return make_tile_renderer(parse_scene(scene), blobs, frame_of(1, 1), 1)
+        ->build_counters()["attributes_dropped"];
+  };
+  EXPECT_EQ(dropped(ramp("UV") + mesh(first + second)), 1u);
+  EXPECT_EQ(dropped(ramp("SECOND_UV") + mesh(first + second)), 0u);
+  const std::string tiles =
+      "textures { name: 'tiles' checker { odd { texture: 't' } } mapping: UV } ";
+  EXPECT_EQ(dropped(tiles + ramp("SECOND_UV") + "nodes { shape { materials: 'k' mesh { " + corners +
+                    first + second +
+                    "} } } materials { name: 'k' unlit { color { texture: 'tiles' } } }"),
+            0u)
+      << "a texture of a texture";
+}
+
 TEST(Textured, attributes_that_nothing_shows_are_left_out) {
   BlobStore blobs;
   const std::string bare =

@@ -282,6 +282,53 @@ TEST(Gltf, TurnsTextureTransformsOver) {
   EXPECT_EQ(loaded.scene.textures(0).image().file(), "x.png");
 }
 
+TEST(Gltf, AMaterialTakesTwoSetsOfTextureCoordinates) {
+  const auto square_of = [](const std::string& pictures, const std::string& sets) {
+    return read(
+        Binary()
+            .put(kSquare)
+            .put(Floats{0, 0, 1, 0, 1, 1, 0, 1})
+            .put(Floats{.5, .25, .5, .25, .5, .25, .5, .25})
+            .glb(kNode +
+                 mesh(R"({"attributes":{"POSITION":0)" + sets + R"(},"material":0,"mode":6})") +
+                 R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," +
+                 accessor(1, 5126, 4, "VEC2") + "," + accessor(2, 5126, 4, "VEC2") +
+                 R"(],"images":[{"uri":"x.png"}],"textures":[{"source":0}],)"
+                 R"("materials":[{)" +
+                 pictures + "}]"));
+  };
+  const std::string base =
+                        R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}})",
+                    baked = R"(,"occlusionTexture":{"index":0})",
+                    both = R"(,"TEXCOORD_0":1,"TEXCOORD_1":2)";
+  const auto uvs = [](const LoadedScene& loaded) {
+    const v1::TriangleMesh& in = loaded.scene.nodes(0).shape().mesh();
+    return std::make_pair(blob_values<float>(in.uvs(), loaded.blobs),
+                          blob_values<float>(in.second_uvs(), loaded.blobs));
+  };
+  const Floats up{0, 1, 1, 1, 1, 0, 0, 0}, level{.5, .75, .5, .75, .5, .75, .5, .75};
+  const LoadedScene two = square_of(base + baked, both);
+  EXPECT_EQ(uvs(two), std::make_pair(level, up));
+  EXPECT_EQ(two.warnings, std::vector<std::string>{});
+  ASSERT_EQ(two.scene.textures_size(), 2);
+  EXPECT_EQ(two.scene.textures(0).mapping(), v1::Texture::UV);
+  EXPECT_EQ(two.scene.textures(1).mapping(), v1::Texture::SECOND_UV);
+  EXPECT_EQ(two.scene.materials(0).physical().occlusion().texture(), two.scene.textures(1).name());
+
+  EXPECT_EQ(uvs(square_of(base, both)), std::make_pair(level, Floats{}))
+      << "not what nothing takes";
+  const LoadedScene lacks = square_of(base + baked, R"(,"TEXCOORD_1":2)");
+  EXPECT_EQ(uvs(lacks), std::make_pair(level, Floats{}));
+
+  const LoadedScene three = square_of(
+      base + baked + R"(,"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0,"texCoord":2})",
+      both);
+  EXPECT_EQ(uvs(three), std::make_pair(level, up));
+  ASSERT_EQ(three.warnings.size(), 1u);
+  EXPECT_NE(three.warnings[0].find("more than two sets of texture coordinates"), std::string::npos)
+      << three.warnings[0];
+}
+
 TEST(Gltf, TangentsAreRead) {
   const Floats tangents{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, -1, 0, 1, 0, -1};
   const LoadedScene loaded = read(
