@@ -154,10 +154,15 @@ class Converter {
       ambient[c] = std::min(ambient[c], (*entry_.ambient)[c]);
     color(ambient, map("map_ka") ? "map_ka" : "map_kd", out.mutable_ambient());
     const Rgb specular = beneath("map_ks", entry_.specular, {});
-    if (model_.highlight && !is_black(specular)) color(specular, "map_ks", out.mutable_specular());
+    // Exporters write an exponent of 0 for a surface that is fully rough, which has no highlight.
+    const auto exponent = number("Ns");
+    const bool is_rough = exponent && *exponent <= kMtlRounding;
+    if (model_.highlight && !is_rough && !is_black(specular))
+      color(specular, "map_ks", out.mutable_specular());
     if (model_.mirror && !is_black(specular)) color(specular, "map_ks", out.mutable_reflectivity());
-    if (const auto exponent = number("Ns")) out.mutable_shininess()->set_value(*exponent);
-    if (map("map_ns")) scaled(number("Ns").value_or(100), "map_ns", out.mutable_shininess());
+    if (exponent && !is_rough) out.mutable_shininess()->set_value(*exponent);
+    if (map("map_ns") && !is_rough)
+      scaled(exponent.value_or(100), "map_ns", out.mutable_shininess());
     const Rgb emission = beneath("map_ke", entry_.emission, {});
     if (!is_black(emission)) color(emission, "map_ke", out.mutable_emission());
     if (transparency_ == 0) return;

@@ -60,6 +60,17 @@ TEST(Mtl, TakesDissolveOverItsOpposite) {
   EXPECT_FALSE(classic("Tf 1 1 1\n").has_transparency());
 }
 
+TEST(Mtl, AnExponentOfZeroIsARoughSurfaceWithoutHighlight) {
+  const v1::Classic rough = classic("Ks .9 .9 .9\nNs 0.0\nmap_Ns s.png\nillum 3\n");
+  EXPECT_FALSE(rough.has_specular()) << "its highlight would cover the whole surface";
+  EXPECT_FALSE(rough.has_shininess());
+  EXPECT_FLOAT_EQ(rough.reflectivity().value().r(), .9f);
+  EXPECT_TRUE(classic("Ks .9 .9 .9\nNs 1\n").has_specular());
+  Warnings warnings;
+  const auto materials = read("newmtl a\nPm 0\nNs 0\n", warnings);
+  EXPECT_EQ(materials.at("a").physical().roughness().value(), 1);
+}
+
 TEST(Mtl, FollowsTheIlluminationModel) {
   Warnings warnings;
   EXPECT_TRUE(read("newmtl m\nKd 1 0 0\nillum 0\n", warnings).at("m").has_unlit());
