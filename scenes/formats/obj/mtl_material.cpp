@@ -77,16 +77,27 @@ class Converter {
 
   /// d and Tr say the same thing in two ways; where both are there, d holds. Tf counts only for the
   /// models of glass, since many programs write it for opaque materials too.
-  double transparency() const {
+  double transparency() {
     double share = 0;
     if (const auto dissolve = number("d"))
       share = 1 - *dissolve;
     else if (const auto opposite = number("Tr"))
-      share = *opposite;
+      share = is_opaque_by_mistake(*opposite) ? 0 : *opposite;
     if (share <= kMtlRounding && model_.glass && entry_.filter)
       share = ((*entry_.filter)[0] + (*entry_.filter)[1] + (*entry_.filter)[2]) / 3;
     if (share <= kMtlRounding) return 0;
     return share >= 1 - kMtlRounding ? 1 : share;
+  }
+
+  /// Exporters that take Tr for d write 1 for what is opaque. Glass and mirrors are seen even where
+  /// they are wholly clear.
+  bool is_opaque_by_mistake(double opposite) {
+    if (opposite < 1 - kMtlRounding || model_.refracts || (model_.glass && model_.mirror))
+      return false;
+    warnings_.repair(
+        fmt::format("{:g}, of which nothing would be seen", opposite), "a share below 1, or d",
+        "0 is taken", [this] { return entry_.transparency_place; }, "Tr");
+    return true;
   }
 
   bool is_physical() const {

@@ -20,6 +20,7 @@ struct MtlEntry {
   std::string name;
   std::optional<Rgb> ambient, diffuse, specular, emission, filter;
   std::map<std::string, float> numbers;  ///< by statement: Ns, Ni, d, Tr, Pr, Pm, Pc, Pcr
+  SourcePlace transparency_place;        ///< of the number of Tr, where there is one
   std::optional<int> illumination;
   std::map<std::string, MtlMap> maps;  ///< by statement in lower case; bump for all its spellings
 };

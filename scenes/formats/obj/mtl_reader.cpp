@@ -138,6 +138,7 @@ class MtlReader {
     } else if (keyword == "Tr" || keyword == "Pr" || keyword == "Pm" || keyword == "Pc" ||
                keyword == "Pcr") {
       entry().numbers[keyword] = share(keyword);
+      if (keyword == "Tr") entry_.transparency_place = in_.place();
     } else if (keyword == "Ns") {
       entry().numbers["Ns"] =
           within(keyword, "an exponent of 0 or more", 0, std::numeric_limits<float>::max());

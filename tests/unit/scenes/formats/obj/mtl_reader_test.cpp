@@ -60,6 +60,21 @@ TEST(Mtl, TakesDissolveOverItsOpposite) {
   EXPECT_FALSE(classic("Tf 1 1 1\n").has_transparency());
 }
 
+TEST(Mtl, WhollyTransparentByTrAloneIsOpaque) {
+  Warnings warnings;
+  const auto materials = read(
+      "newmtl a\nKd 1 0 0\nTr 1.000000\nnewmtl b\nPm 0\nTr 1\nnewmtl clear\nd 0\nTr 1\n"
+      "newmtl glass\nTr 1\nillum 7\n",
+      warnings);
+  EXPECT_FALSE(materials.at("a").classic().has_transparency());
+  EXPECT_FALSE(materials.at("b").physical().has_transparency());
+  EXPECT_EQ(materials.at("clear").classic().transparency().value(), 1);
+  EXPECT_EQ(materials.at("glass").classic().transparency().value(), 1);
+  EXPECT_EQ(warnings.list("t.mtl"),
+            std::vector<std::string>{"t.mtl:3:4: Tr: 1, of which nothing would be seen; expected a "
+                                     "share below 1, or d; 0 is taken (2 times)"});
+}
+
 TEST(Mtl, AnExponentOfZeroIsARoughSurfaceWithoutHighlight) {
   const v1::Classic rough = classic("Ks .9 .9 .9\nNs 0.0\nmap_Ns s.png\nillum 3\n");
   EXPECT_FALSE(rough.has_specular()) << "its highlight would cover the whole surface";
