@@ -90,10 +90,12 @@ void turn_camera(const RenderOptions& options, const StandardView& view, const V
 
 }  // namespace
 
-bool brings_camera(const RenderOptions& options) { return options.view || options.turntable; }
+bool brings_camera(const RenderOptions& options) {
+  return options.view || options.turntable || options.camera == kAutoCamera;
+}
 
 void check_view(const RenderOptions& options) {
-  if (!brings_camera(options) || !options.camera) return;
+  if (!options.camera || !(options.view || options.turntable)) return;
   throw usage_error(options.view
                         ? "--view: is a camera in place of the scene's; expected no --camera"
                         : "--turntable: has a camera of its own; expected no --camera");
@@ -105,6 +107,7 @@ void use_view(const RenderOptions& options, LoadedScene& loaded) {
   const bool is_z_up = z_is_up(options, scene);
   const std::string name = options.view.value_or("iso");
   v1::Camera camera = standard_camera(name, is_z_up, kModelFieldOfView);
+  if (options.camera) camera.set_name(*options.camera);
   if (!scene.cameras().empty() && scene.cameras(0).has_headlight())
     *camera.mutable_headlight() = scene.cameras(0).headlight();
   scene.clear_cameras();

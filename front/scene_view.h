@@ -1,14 +1,20 @@
 #pragma once
 
+#include <string_view>
+
 #include "front/render_options.h"
 #include "scenes/import/loaded_scene.h"
 
 namespace tessera {
 
-/// Whether --view or --turntable puts a camera in place of the scene's.
+/// The --camera that sees everything, as if the scene had none; a camera of the scene that is called
+/// so is found by its number.
+inline constexpr std::string_view kAutoCamera = "auto";
+
+/// Whether --view, --turntable or --camera auto puts a camera in place of the scene's.
 bool brings_camera(const RenderOptions& options);
 
-/// Throws usage_error where one of these is beside --camera.
+/// Throws usage_error where --view or --turntable is beside --camera.
 void check_view(const RenderOptions& options);
 
 /// Puts the camera that they ask for in place of the scene's, whose first one's headlight it keeps.

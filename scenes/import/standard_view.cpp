@@ -14,11 +14,12 @@ struct NamedView {
   Vec3 from, up;  ///< where y is up
 };
 
-const std::array<NamedView, 7>& views() {
-  static const std::array<NamedView, 7> all{{{"front", {0, 0, 1}, {0, 1, 0}},
+const std::array<NamedView, 8>& views() {
+  static const std::array<NamedView, 8> all{{{"front", {0, 0, 1}, {0, 1, 0}},
                                              {"back", {0, 0, -1}, {0, 1, 0}},
                                              {"left", {-1, 0, 0}, {0, 1, 0}},
                                              {"right", {1, 0, 0}, {0, 1, 0}},
+                                             {"side", {1, 0, 0}, {0, 1, 0}},
                                              {"top", {0, 1, 0}, {0, 0, -1}},
                                              {"bottom", {0, -1, 0}, {0, 0, 1}},
                                              {"iso", normalize(Vec3{0.55, 0.38, 1}), {0, 1, 0}}}};

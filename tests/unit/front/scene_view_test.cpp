@@ -50,7 +50,7 @@ TEST(SceneView, LooksFromThereAtAllThatThereIs) {
   for (const Case& each :
        {Case{"front", {0, 0, -1}, {0, 1, 0}}, Case{"back", {0, 0, 1}, {0, 1, 0}},
         Case{"right", {-1, 0, 0}, {0, 1, 0}}, Case{"left", {1, 0, 0}, {0, 1, 0}},
-        Case{"top", {0, -1, 0}, {0, 0, -1}}, Case{"bottom", {0, 1, 0}, {0, 0, 1}}}) {
+        Case{"side", {-1, 0, 0}, {0, 1, 0}}, Case{"top", {0, -1, 0}, {0, 0, -1}}, Case{"bottom", {0, 1, 0}, {0, 0, 1}}}) {
     SCOPED_TRACE(each.view);
     RenderOptions options = from(each.view);
     const v1::Scene y = seen(options).scene;
@@ -123,6 +123,24 @@ TEST(SceneView, TurntablesOfNothingStandSomewhere) {
   options.turntable = 3;
   EXPECT_EQ(rounded(camera_of(seen(options, "settings { width: 8 }").scene, 0).up()),
             rounded(camera_of(seen(from("iso"), "settings { width: 8 }").scene, 0).up()));
+}
+
+TEST(SceneView, AnAutomaticCameraSeesAllAsWhereThereIsNone) {
+  const std::string named = std::string(kBox) + "cameras { name: 'auto' }";
+  RenderOptions options;
+  options.camera = "auto";
+  for (const std::string& text : {std::string(kBox), named}) {
+    v1::Scene scene = seen(options, text).scene;
+    ASSERT_EQ(scene.cameras_size(), 1);
+    EXPECT_EQ(frame_settings(options, scene, std::nullopt).camera(), "auto");
+    scene.mutable_cameras(0)->set_name("iso");
+    EXPECT_EQ(scene.cameras(0).DebugString(),
+              seen(from("iso"), text).scene.cameras(0).DebugString());
+  }
+  options.reading.up = ReadOptions::Up::z;
+  EXPECT_TRUE(seen(options).warnings.empty()) << "--up turns it";
+  options.view = "top";
+  EXPECT_NE(usage_error_of([&] { seen(options); }), "");
 }
 
 TEST(SceneView, IsNoneOfTheScenesCameras) {
