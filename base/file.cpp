@@ -70,6 +70,20 @@ uint64_t check_size(const std::string& path, uint64_t size, uint64_t max_bytes) 
   return size;
 }
 
+/// Throws where a repository was cloned without the file's content, which Git LFS keeps elsewhere
+/// and puts a few lines in place of (its specification, docs/spec.md).
+void check_content_is_here(const std::string& path, uint64_t size) {
+  constexpr std::string_view kStart = "version https://git-lfs.github.com/spec/";
+  constexpr uint64_t kMostBytes = 1024;  // of such lines
+  if (size < kStart.size() || size > kMostBytes) return;
+  const InputFile file = open_input_file(path);
+  std::array<char, kStart.size()> head{};
+  if (!file || std::fread(head.data(), 1, head.size(), file.get()) != head.size()) return;
+  if (std::string_view(head.data(), head.size()) != kStart) return;
+  throw scene_error({path}, "a Git LFS pointer in place of the file's content",
+                    "the content, which 'git lfs pull' fetches");
+}
+
 }  // namespace
 
 uint64_t check_input_file(const std::string& path, uint64_t max_bytes) {
@@ -84,6 +98,7 @@ uint64_t check_input_file(const std::string& path, uint64_t max_bytes) {
   if (!fs::is_regular_file(status)) throw file_error(path, "is no regular file");
   const uint64_t size = fs::file_size(path, failure);
   if (failure) throw file_error(path, failure.message());
+  check_content_is_here(path, size);
   return check_size(path, size, max_bytes);
 }
 

@@ -6,10 +6,32 @@
 
 #include <fstream>
 
+#include "tests/error_of.h"
+
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
+
+TEST(InputFile, APointerOfGitLfsIsNotTheFile) {
+  const TemporaryFolder temporary;
+  const std::string path = (temporary.path() / "model.ply").string();
+  const std::string pointer =
+      "version https://git-lfs.github.com/spec/v1\noid sha256:" + std::string(64, 'a') +
+      "\nsize 123\n";
+  const auto check = [&](const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+    return error_of([&] { check_input_file(path, 100); });
+  };
+  EXPECT_EQ(check(pointer), path +
+                                ": a Git LFS pointer in place of the file's content; expected the "
+                                "content, which 'git lfs pull' fetches");
+  EXPECT_EQ(error_of([&] { read_input_file(path, 10); }), check(pointer));
+  EXPECT_EQ(check("version https://git-lfs.github.io/not/that\n"), "");
+  EXPECT_EQ(check(pointer + std::string(1024, '\n')),
+            path + ": the file has 1152 bytes; expected at most 100")
+      << "no pointer is as long";
+}
 
 /// folder/ with scene.tessera and textures/wood.png, beside it secret.png and folder-2/other.png.
 class ResolveInside : public ::testing::Test {
