@@ -253,7 +253,7 @@ class X3dClassicReader {
     const bool is_elsewhere = elsewhere_.contains(type.text);
     X3dNode& node =
         tree_.add(is_elsewhere ? "ProtoInstance" : std::string(type.text), type.offset, depth);
-    if (!def.empty()) tree_.define(node, def);
+    tree_.begin(node, def);
     read_body(node, depth);
     tree_.finish(node);
     return &node;
@@ -266,7 +266,7 @@ class X3dClassicReader {
     tree_.check_depth(type.offset, depth);
     read_body(given, depth);
     X3dNode* node = tree_.instantiate(prototype, given);
-    if (!def.empty()) tree_.define(*node, def);
+    tree_.begin(*node, def);
     tree_.finish(*node);
     return node;
   }

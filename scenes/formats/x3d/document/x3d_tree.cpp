@@ -6,9 +6,18 @@
 #include <array>
 #include <limits>
 
+#include "scenes/formats/x3d/document/x3d_nodes.h"
 #include "scenes/formats/x3d/document/x3d_number.h"
 
 namespace tessera {
+namespace {
+
+bool is_ignored(const X3dNode& node) {
+  const X3dNodeType* const type = find_x3d_node_type(node.type);
+  return type && type->use == X3dNodeType::Use::ignored;
+}
+
+}  // namespace
 
 X3dGiven::X3dGiven(const X3dNode& node) {
   for (const X3dNode::Is& is : node.is) is_.try_emplace(is.field, &is);
@@ -52,10 +61,19 @@ X3dNode& X3dTree::add(std::string type, size_t offset, int depth) {
   return node;
 }
 
-void X3dTree::define(X3dNode& node, std::string name) {
+void X3dTree::begin(X3dNode& node, std::string name) {
+  if (is_ignored(node)) ++ignored_;
+  if (name.empty()) return;
   node.def = std::move(name);
-  scopes_.back().defs[node.def] = &node;
+  X3dNode*& named = scopes_.back().defs[node.def];
+  if (named) scopes_.back().earlier[&node] = named;
+  named = &node;
   open_.insert(&node);
+}
+
+void X3dTree::finish(const X3dNode& node) {
+  if (is_ignored(node)) --ignored_;
+  open_.erase(&node);
 }
 
 X3dNode* X3dTree::use(const std::string& name, std::string_view type, size_t offset) {
@@ -71,12 +89,20 @@ X3dNode* X3dTree::use(const std::string& name, std::string_view type, size_t off
          "the DEF name of a node before it", "it is left out"});
     return nullptr;
   }
-  X3dNode& node = *known->second;
-  if (open_.contains(&node)) {
-    document_.remarks_.push_back({offset, fmt::format("USE of '{}' inside itself", name),
-                                  "a graph without cycles", "it is left out"});
+  X3dNode* found = known->second;
+  while (found && open_.contains(found)) {
+    const auto& earlier = scopes_.back().earlier;
+    const auto before = earlier.find(found);
+    found = before == earlier.end() ? nullptr : before->second;
+  }
+  if (!found) {
+    // Scripts refer to what they are a part of, and nothing of them is taken.
+    if (ignored_ == 0)
+      document_.remarks_.push_back({offset, fmt::format("USE of '{}' inside itself", name),
+                                    "a graph without cycles", "it is left out"});
     return nullptr;
   }
+  X3dNode& node = *found;
   if (!type.empty() && node.type != type)
     document_.remarks_.push_back(
         {offset, fmt::format("{} with USE of '{}', which is a {}", type, name, node.type),

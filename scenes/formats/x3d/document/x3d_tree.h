@@ -48,10 +48,12 @@ class X3dTree {
   void check_depth(size_t offset, int depth) const;
   /// A new node at `depth` levels below the scene.
   X3dNode& add(std::string type, size_t offset, int depth);
-  /// Names the node, which from now until finish() must not be a part of itself.
-  void define(X3dNode& node, std::string name);
-  void finish(const X3dNode& node) { open_.erase(&node); }
-  /// The node of that name. `type` may be empty: any.
+  /// What follows until finish() are the node's parts. Of one with a name, which may be empty, the
+  /// node itself must not be among them.
+  void begin(X3dNode& node, std::string name);
+  void finish(const X3dNode& node);
+  /// The last node of that name before it, none that it is a part of; null where there is none, which
+  /// is told unless the part is ignored. `type` may be empty: any.
   X3dNode* use(const std::string& name, std::string_view type, size_t offset);
   void add_child(X3dNode& parent, const std::string& container, X3dNode* node);
   /// What a field of that node is called, which VRML97 may call otherwise.
@@ -74,6 +76,7 @@ class X3dTree {
  private:
   struct Scope {
     std::map<std::string, X3dNode*> defs;
+    std::map<const X3dNode*, X3dNode*> earlier;  ///< the node that had that node's name before it
     std::map<std::string, X3dPrototype> prototypes;
   };
   struct Copying {
@@ -91,6 +94,7 @@ class X3dTree {
   X3dDocument& document_;
   std::vector<Scope> scopes_;
   std::set<const X3dNode*> open_;
+  int ignored_ = 0;  ///< nodes around what is read now that are left out whole
   size_t copies_ = 0, copied_bytes_ = 0;
 };
 

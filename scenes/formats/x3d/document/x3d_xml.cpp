@@ -126,8 +126,7 @@ class X3dXmlReader {
           (!is_of_html || (type && type->has_field(name))))
         node.fields.push_back({std::string(name), attribute.value(), offset(attribute)});
     }
-    const std::string def = xml.attribute("DEF").value();
-    if (!def.empty()) tree_.define(node, def);
+    tree_.begin(node, xml.attribute("DEF").value());
     add_children(node, xml, depth);
     tree_.finish(node);
     return &node;
@@ -221,8 +220,7 @@ class X3dXmlReader {
     add_values(given, xml, "fieldValue", depth);
     for (const pugi::xml_node& is : xml.children("IS")) add_connections(given, is);
     X3dNode* node = tree_.instantiate(*prototype, given);
-    const std::string def = xml.attribute("DEF").value();
-    if (!def.empty()) tree_.define(*node, def);
+    tree_.begin(*node, xml.attribute("DEF").value());
     tree_.finish(*node);
     return node;
   }
