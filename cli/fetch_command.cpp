@@ -155,10 +155,13 @@ class Fetch {
           film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
     }
     flush_output();
-    const auto number = number_in_animation(status);
-    for (const std::string& warning : report_warnings(report)) warnings_.say(warning, number);
-    for (const std::string& warning : brightness_warnings(frame.settings(), paths_, film, settings))
-      warnings_.say(warning, number);
+    if (!options_.quiet) {
+      const auto number = number_in_animation(status);
+      for (const std::string& warning : report_warnings(report)) warnings_.say(warning, number);
+      for (const std::string& warning :
+           brightness_warnings(frame.settings(), paths_, film, settings))
+        warnings_.say(warning, number);
+    }
     // Frame k is at the instant k / rate.
     if (frame.number() > 0 && frame.settings().time() > 0)
       frame_rate_ = frame.number() / frame.settings().time();

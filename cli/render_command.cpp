@@ -304,16 +304,22 @@ class RenderRun {
     }
     if (options_.trace && picture.report.trace)
       write_trace(statistics, frame_path(*options_.trace, frame));
+    if (!options_.quiet) say_warnings(rendered, picture, frame);
+    if (failure) throw *failure;
+    if (!options_.quiet && !writes_standard_output(options_)) {
+      print_end(picture, statistics, frame);
+    }
+  }
+
+  /// What the picture shows to be odd in the scene.
+  void say_warnings(const FrameRender& rendered, const RenderedPicture& picture,
+                    std::optional<int> frame) {
     for (const std::string& warning : report_warnings(picture.report))
       warnings_.say(warning, frame);
     const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     for (const std::string& warning :
          brightness_warnings(rendered.settings(), picture_paths(options_), picture.film, output))
       warnings_.say(warning, frame);
-    if (failure) throw *failure;
-    if (!options_.quiet && !writes_standard_output(options_)) {
-      print_end(picture, statistics, frame);
-    }
   }
 
   /// The timeline of the workers, and of this process around it.

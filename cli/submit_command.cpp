@@ -60,7 +60,7 @@ SubmittedJob gather(const SubmitOptions& options) {
 
 ExitCode submit(const SubmitOptions& options) {
   catch_interrupts();
-  configure_logging("warn", "submit");
+  configure_logging(options.render.quiet ? "off" : "warn", "submit");
   // The connection is made while the scene is read.
   const auto transport = connect(options.connection);
   const SubmittedJob job = gather(options);

@@ -58,8 +58,13 @@ class Render(TesseraTest):
             self.assertIn(b"tessera:Colors=" + colors, (self.folder / "a.exr").read_bytes())
 
     def test_quiet_is_silent(self):
-        result = self.run_program("render", self.scene, *SMALL, "--quiet")
-        self.assertEqual((0, "", ""), (result.code, result.out, result.err))
+        odd = self.write("odd.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+        loud = self.run_program("render", odd, *SMALL, "--exposure", "9")
+        for warning in ("without an area", "no ray meets a surface", "brighter than white"):
+            self.assertIn(warning, loud.err)
+        for scene in (self.scene, odd):
+            result = self.run_program("render", scene, *SMALL, "--exposure", "9", "--quiet")
+            self.assertEqual((0, "", ""), (result.code, result.out, result.err))
 
     def test_piped_progress_is_plain_lines(self):
         process = self.start("render", self.scene, "--size", "640x480", "--spp", "4096", "--tile",
