@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,60 @@ using Image = v1::Texture::Image;
 
 double share(const GltfValue& value, double without) { return value.number_within(without, 0, 1); }
 
-std::vector<double> base_color(const GltfValue& pbr) {
-  return pbr["baseColorFactor"].numbers({1, 1, 1, 1}, 0, 1);
+std::vector<double> base_color(const GltfValue& factor) {
+  return factor.numbers({1, 1, 1, 1}, 0, 1);
+}
+
+constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
+/// The base colour of a material, or the diffuse colour of one that is written in the older model,
+/// which counts where both are there.
+struct BaseColor {
+  GltfValue factor, texture;
+};
+
+BaseColor base_of(const GltfValue& in) {
+  if (const GltfValue older = in["extensions"][kSpecularGlossiness])
+    return {older["diffuseFactor"], older["diffuseTexture"]};
+  const GltfValue pbr = in["pbrMetallicRoughness"];
+  return {pbr["baseColorFactor"], pbr["baseColorTexture"]};
+}
+
+/// What a dielectric reflects head on, in both models of materials.
+constexpr double kDielectric = 0.04;
+
+struct MetallicColor {
+  double metallic;
+  std::vector<double> base;
+};
+
+/// The metallic share and base colour that come nearest to a diffuse and a specular colour: as in
+/// the examples of KHR_materials_pbrSpecularGlossiness, convert-between-workflows, which solve for
+/// the share at which both models reflect as brightly.
+MetallicColor metallic_color_of(const std::vector<double>& diffuse,
+                                const std::vector<double>& specular) {
+  constexpr double kLeast = 1e-6;
+  const auto brightness = [](const std::vector<double>& c) {
+    return std::sqrt(.299 * c[0] * c[0] + .587 * c[1] * c[1] + .114 * c[2] * c[2]);
+  };
+  const double left = 1 - *std::max_element(specular.begin(), specular.end());
+  const double bright = brightness(specular);
+  double metallic = 0;
+  if (bright >= kDielectric) {
+    const double b = brightness(diffuse) * left / (1 - kDielectric) + bright - 2 * kDielectric;
+    const double root = std::sqrt(b * b + 4 * kDielectric * (bright - kDielectric));
+    metallic = std::clamp((root - b) / (2 * kDielectric), 0., 1.);
+  }
+  MetallicColor out{metallic, {}};
+  for (size_t c = 0; c < 3; ++c) {
+    const double of_diffuse =
+        diffuse[c] * left / (1 - kDielectric) / std::max(1 - metallic, kLeast);
+    const double of_specular =
+        (specular[c] - kDielectric * (1 - metallic)) / std::max(metallic, kLeast);
+    const double weight = metallic * metallic;
+    out.base.push_back(std::clamp(of_diffuse * (1 - weight) + of_specular * weight, 0., 1.));
+  }
+  return out;
 }
 
 /// Without its texture.
@@ -73,19 +126,19 @@ void GltfMaterials::number(const GltfValue& factor, double without, const GltfVa
 
 v1::Material GltfMaterials::convert(const GltfValue& in, bool is_unlit) {
   v1::Material out;
-  const GltfValue pbr = in["pbrMetallicRoughness"];
+  const BaseColor base = base_of(in);
   const bool is_base_alone(in["extensions"]["KHR_materials_unlit"]);
   if (is_base_alone || is_unlit) {
-    std::vector<double> shown = base_color(pbr);
-    if (!is_base_alone && !pbr["baseColorTexture"]) {
+    std::vector<double> shown = base_color(base.factor);
+    if (!is_base_alone && !base.texture) {
       const std::vector<double> glow = emission(in);
       for (size_t c = 0; c < glow.size(); ++c) shown[c] += glow[c];
     }
-    color(shown, pbr["baseColorTexture"], out.mutable_unlit()->mutable_color());
+    color(shown, base.texture, out.mutable_unlit()->mutable_color());
   } else {
     physical(in, out);
   }
-  coverage(in, pbr, out);
+  coverage(in, base.factor, out);
   // Light inside a body has to find its back faces.
   const bool clear = out.physical().has_transmission() && !out.physical().thin();
   if (!in["doubleSided"].flag(false) && !clear) out.set_sides(v1::Material::FRONT_ONLY);
@@ -97,12 +150,12 @@ v1::Material GltfMaterials::convert(const GltfValue& in, bool is_unlit) {
 }
 
 void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
-  const GltfValue pbr = in["pbrMetallicRoughness"], extensions = in["extensions"];
+  const GltfValue extensions = in["extensions"];
   v1::Physical& made = *out.mutable_physical();
-  color(base_color(pbr), pbr["baseColorTexture"], made.mutable_base_color());
-  const GltfValue packed = pbr["metallicRoughnessTexture"];
-  number(pbr["metallicFactor"], 1, packed, v1::FloatInput::BLUE, made.mutable_metallic());
-  number(pbr["roughnessFactor"], 1, packed, v1::FloatInput::GREEN, made.mutable_roughness());
+  if (const GltfValue older = extensions[kSpecularGlossiness])
+    specular_glossiness(older, made);
+  else
+    metallic_roughness(in["pbrMetallicRoughness"], made);
   if (const GltfValue occlusion = in["occlusionTexture"]) {
     number({nullptr, nullptr, ""}, 1, occlusion, v1::FloatInput::RED, made.mutable_occlusion());
     if (share(occlusion["strength"], 1) < 1 - 1e-6)
@@ -110,6 +163,31 @@ void GltfMaterials::physical(const GltfValue& in, v1::Material& out) {
   }
   if (in["emissiveFactor"]) color(emission(in), in["emissiveTexture"], made.mutable_emission());
   layers(extensions, made);
+}
+
+void GltfMaterials::metallic_roughness(const GltfValue& in, v1::Physical& out) {
+  color(base_color(in["baseColorFactor"]), in["baseColorTexture"], out.mutable_base_color());
+  const GltfValue packed = in["metallicRoughnessTexture"];
+  number(in["metallicFactor"], 1, packed, v1::FloatInput::BLUE, out.mutable_metallic());
+  number(in["roughnessFactor"], 1, packed, v1::FloatInput::GREEN, out.mutable_roughness());
+}
+
+void GltfMaterials::specular_glossiness(const GltfValue& in, v1::Physical& out) {
+  std::vector<double> specular = in["specularFactor"].numbers({1, 1, 1}, 0, 1);
+  double glossiness = share(in["glossinessFactor"], 1);
+  if (const GltfValue packed = in["specularGlossinessTexture"]) {
+    // Its factors are but multipliers, mostly 1.
+    for (double& part : specular) part *= kDielectric;
+    glossiness /= 2;
+    warnings_.add(
+        "specularGlossinessTexture is not read; the material is taken for no metal, and half as "
+        "glossy as its factor says",
+        [&] { return packed.place(); });
+  }
+  const MetallicColor made = metallic_color_of(base_color(in["diffuseFactor"]), specular);
+  color(made.base, in["diffuseTexture"], out.mutable_base_color());
+  out.mutable_metallic()->set_value(made.metallic);
+  out.mutable_roughness()->set_value(1 - glossiness);
 }
 
 void GltfMaterials::layers(const GltfValue& extensions, v1::Physical& out) {
@@ -150,7 +228,7 @@ void GltfMaterials::layers(const GltfValue& extensions, v1::Physical& out) {
   }
 }
 
-void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base, v1::Material& out) {
+void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base_factor, v1::Material& out) {
   const GltfValue mode = in["alphaMode"];
   const std::string name = mode.text("OPAQUE");
   if (name == "OPAQUE") {
@@ -173,7 +251,7 @@ void GltfMaterials::coverage(const GltfValue& in, const GltfValue& base, v1::Mat
     out.set_alpha(v1::Material::ALPHA_OPAQUE);
     return;
   }
-  if (base["baseColorFactor"]) out.mutable_opacity()->set_value(base_color(base)[3]);
+  if (base_factor) out.mutable_opacity()->set_value(base_color(base_factor)[3]);
 }
 
 }  // namespace tessera

@@ -83,8 +83,10 @@ class GltfMaterials {
   const Known& find(const GltfMaterialUse& which);
   v1::Material convert(const GltfValue& in, bool is_unlit);
   void physical(const GltfValue& in, v1::Material& out);
+  void metallic_roughness(const GltfValue& in, v1::Physical& out);
+  void specular_glossiness(const GltfValue& in, v1::Physical& out);
   void layers(const GltfValue& extensions, v1::Physical& out);
-  void coverage(const GltfValue& in, const GltfValue& base, v1::Material& out);
+  void coverage(const GltfValue& in, const GltfValue& base_factor, v1::Material& out);
   void color(const std::vector<double>& factor, const GltfValue& info, v1::ColorInput* out);
   void number(const GltfValue& factor, double without, const GltfValue& info,
               v1::FloatInput::Channel channel, v1::FloatInput* out);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <set>
 
 #include "base/file.h"
 #include "renderer/math/elementary.h"
@@ -30,7 +31,7 @@ constexpr std::array kNamed{"accessors", "animations", "bufferViews", "buffers",
                             "images",    "materials",  "meshes",      "nodes",   "samplers",
                             "scenes",    "skins",      "textures"};
 
-constexpr std::array<std::string_view, 13> kExtensions{"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 14> kExtensions{"EXT_mesh_gpu_instancing",
                                                        "EXT_meshopt_compression",
                                                        "EXT_texture_webp",
                                                        "KHR_draco_mesh_compression",
@@ -38,6 +39,7 @@ constexpr std::array<std::string_view, 13> kExtensions{"EXT_mesh_gpu_instancing"
                                                        "KHR_materials_clearcoat",
                                                        "KHR_materials_emissive_strength",
                                                        "KHR_materials_ior",
+                                                       "KHR_materials_pbrSpecularGlossiness",
                                                        "KHR_materials_transmission",
                                                        "KHR_materials_unlit",
                                                        "KHR_materials_volume",
@@ -205,6 +207,7 @@ class GltfReader {
     };
     const GltfValue required = file_.root()["extensionsRequired"];
     const std::vector<std::string> known(kExtensions.begin(), kExtensions.end());
+    std::set<std::string> told;
     for (size_t i = 0; i < required.size(); ++i)
       if (const std::string name = required.at(i).text(""); !name.empty() && !is_read(name)) {
         const std::string found = fmt::format("the file requires extension '{}'", name);
@@ -212,9 +215,11 @@ class GltfReader {
           throw required.at(i).error(found,
                                      fmt::format("one that is read{}", suggestion(name, known)));
         required.at(i).repair(found, "one that is read", "it is shown without");
+        told.insert(name);
       }
     for (const std::string& name : file_.extension_names())
-      if (!is_read(name)) warnings_.add(fmt::format("extension '{}' is not read", name));
+      if (!is_read(name) && !told.contains(name))
+        warnings_.add(fmt::format("extension '{}' is not read", name));
   }
 
   /// Those of what is not shown too.

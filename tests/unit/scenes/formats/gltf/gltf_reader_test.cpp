@@ -270,6 +270,64 @@ TEST(Gltf, ConvertsOtherKindsOfMaterials) {
   EXPECT_EQ(first(R"("name":"plain")").alpha(), v1::Material::ALPHA_OPAQUE);
 }
 
+TEST(Gltf, ConvertsSpecularGlossiness) {
+  const auto read_model = [](const std::string& model, const std::string& more = "") {
+    return read(material(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":)"
+                         R"([0,0,1,1]},"extensions":{"KHR_materials_pbrSpecularGlossiness":{)" +
+                             model + "}}",
+                         R"(,"extensionsUsed":["KHR_materials_pbrSpecularGlossiness"],)"
+                         R"("extensionsRequired":["KHR_materials_pbrSpecularGlossiness"])" +
+                             more));
+  };
+  const LoadedScene plastic =
+      read_model(R"("diffuseFactor":[0.8,0.4,0.2,0.5],"specularFactor":[0.04,0.04,0.04],)"
+                 R"("glossinessFactor":0.75,"diffuseTexture":{"index":0})",
+                 R"(,"images":[{"uri":"x.png"}],"textures":[{"source":0}])");
+  EXPECT_EQ(plastic.warnings, std::vector<std::string>{});
+  const v1::Physical& p = plastic.scene.materials(0).physical();
+  EXPECT_NEAR(p.base_color().value().r(), .8, 1e-12);
+  EXPECT_NEAR(p.base_color().value().b(), .2, 1e-12);
+  EXPECT_NE(p.base_color().texture(), "");
+  EXPECT_NEAR(p.metallic().value(), 0, 1e-12);
+  EXPECT_EQ(p.roughness().value(), .25);
+  EXPECT_EQ(plastic.scene.materials(0).opacity().value(), .5);
+
+  // The extension's own example: gold.
+  const v1::Physical gold = read_model(R"("diffuseFactor":[0,0,0,1],"specularFactor":)"
+                                       R"([1,0.766,0.336],"glossinessFactor":0.9)")
+                                .scene.materials(0)
+                                .physical();
+  EXPECT_EQ(gold.metallic().value(), 1);
+  EXPECT_NEAR(gold.base_color().value().r(), 1, 1e-12);
+  EXPECT_NEAR(gold.base_color().value().g(), .766, 1e-12);
+  EXPECT_NEAR(gold.base_color().value().b(), .336, 1e-12);
+
+  // Between the two: both models send on as much light, head on and otherwise.
+  const v1::Physical grey = read_model(R"("diffuseFactor":[0.5,0.5,0.5,1],"specularFactor":)"
+                                       R"([0.3,0.3,0.3])")
+                                .scene.materials(0)
+                                .physical();
+  const double m = grey.metallic().value();
+  const double base = .5 * .7 / .96 / (1 - m);
+  EXPECT_GT(m, .1);
+  EXPECT_LT(m, .9);
+  EXPECT_NEAR(.04 * (1 - m) + base * m, .3, 1e-12) << "F0 is the specular colour";
+
+  const LoadedScene packed = read_model(R"("specularGlossinessTexture":{"index":0})");
+  ASSERT_EQ(packed.warnings.size(), 1u);
+  EXPECT_NE(packed.warnings[0].find("specularGlossinessTexture is not read; "), std::string::npos);
+  EXPECT_NEAR(packed.scene.materials(0).physical().metallic().value(), 0, 1e-12);
+  EXPECT_EQ(packed.scene.materials(0).physical().roughness().value(), .5);
+}
+
+TEST(Gltf, TellsOnceOfAnExtensionThatIsRequiredAndUsed) {
+  EXPECT_EQ(read(material(R"("extensions":{"KHR_materials_sheen":{}})",
+                          R"(,"extensionsUsed":["KHR_materials_sheen"],)"
+                          R"("extensionsRequired":["KHR_materials_sheen"])"))
+                .warnings.size(),
+            1u);
+}
+
 TEST(Gltf, TurnsTextureTransformsOver) {
   // glTF: u' = 2 u + .25, v' = 3 v + .5 with v down; so up' = 1 - v' = 3 up - 2.5.
   const LoadedScene loaded =
