@@ -121,10 +121,11 @@ void add_picture_options(OptionList& list, RenderOptions& options) {
   group.add("--crop", "X0,Y0,X1,Y1",
             "Only these pixels of the frame, from X0,Y0 up to before X1,Y1",
             [&options](const std::string& text) { options.crop = parse_crop("--crop", text); });
-  group.add("--camera", "CAMERA",
-            "Which of the scene's cameras, by name, description or number from 1; auto: one that sees "
-            "everything, as where there is none [the first]",
-            [&options](const std::string& text) { options.camera = text; });
+  group.add(
+      "--camera", "CAMERA",
+      "Which of the scene's cameras, by name, description or number from 1; auto: one that sees "
+      "everything, as where there is none [the first]",
+      [&options](const std::string& text) { options.camera = text; });
   group
       .add("--view", "VIEW",
            fmt::format("{}: in place of the scene's cameras one that sees everything from there",

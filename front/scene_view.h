@@ -7,8 +7,8 @@
 
 namespace tessera {
 
-/// The --camera that sees everything, as if the scene had none; a camera of the scene that is called
-/// so is found by its number.
+/// The --camera that sees everything, as if the scene had none; a camera of the scene that is
+/// called so is found by its number.
 inline constexpr std::string_view kAutoCamera = "auto";
 
 /// Whether --view, --turntable or --camera auto puts a camera in place of the scene's.

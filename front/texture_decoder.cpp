@@ -14,6 +14,7 @@ DecodedTexture as_texture(TextureImage picture) {
           .meaning = picture.meaning,
           .unused_channels = std::move(picture.unused_channels),
           .part_note = std::move(picture.part_note),
+          .damage = std::move(picture.damage),
           .gamma = picture.gamma};
 }
 

@@ -186,6 +186,7 @@ std::optional<ImageCodec::Answer> ImageCodec::receive_answer(ImageChannel& chann
                 meaning,
                 split_names(names),
                 std::string(reply.part, strnlen(reply.part, sizeof reply.part)),
+                std::string(reply.damage, strnlen(reply.damage, sizeof reply.damage)),
                 reply.gamma};
 }
 

@@ -39,6 +39,7 @@ class ImageCodec {
     SampleMeaning meaning{};           ///< of what was decoded
     std::vector<std::string> names{};  ///< of channels
     std::string part{};                ///< as ImageReply has it
+    std::string damage{};              ///< likewise
     float gamma = 0;                   ///< likewise
   };
   /// What the codec answers in place of what it was asked for: its cause, as a render error.

@@ -279,6 +279,7 @@ TextureImage as_texture(ImageCodec::Answer answer) {
           .meaning = answer.meaning,
           .unused_channels = std::move(answer.names),
           .part_note = part_note(answer.part),
+          .damage = std::move(answer.damage),
           .gamma = answer.gamma};
 }
 

@@ -50,6 +50,8 @@ struct TextureImage {
   SampleMeaning meaning{};
   std::vector<std::string> unused_channels{};  ///< names of the file's other channels
   std::string part_note{};  ///< which part of OpenEXR it is, where that is not the first
+  /// What is wrong with the data of a JPEG file that was read as far as it goes; empty: nothing.
+  std::string damage{};
   /// The exponent that a PNG says made its codes of light, where that is not about sRGB's; else 0.
   float gamma = 0;
 };

@@ -79,7 +79,7 @@ struct ImageRequest {
   uint64_t payload_bytes = 0;    ///< or, of a file to decode, those of the memory
 
   bool decodes() const { return call == decode_all || call == decode; }
-  static constexpr uint32_t kVersion = 16;
+  static constexpr uint32_t kVersion = 17;
 };
 
 /// The program's argument where it shall convert colours, for which it may read files, and decode
@@ -96,6 +96,7 @@ struct ImageReply {
   uint32_t from_integers = 0, is_associated = 0;  ///< of what was decoded, as SampleMeaning
   float gamma = 0;           ///< that a PNG says its codes have, 1 being linear; 0: as sRGB
   char part[64] = {};        ///< of OpenEXR that was read, where it is not the first
+  char damage[200] = {};     ///< what is wrong with a file that was read as far as it goes
   uint64_t names_bytes = 0;  ///< of the names of channels, each ended by a zero
   uint64_t payload_bytes = 0;
 };

@@ -170,6 +170,7 @@ class Server {
     made.is_associated = answer.meaning.is_associated;
     made.gamma = answer.gamma;
     answer.part.copy(made.part, sizeof made.part - 1);
+    answer.damage.copy(made.damage, sizeof made.damage - 1);
     return made;
   }
 

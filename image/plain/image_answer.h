@@ -21,7 +21,8 @@ struct ImageAnswer {
   SampleMeaning meaning{};               ///< of what was decoded
   std::string names{};                   ///< of channels, each ended by a zero
   std::string part{};                    ///< of OpenEXR, where it is not the first
-  float gamma = 0;                       ///< as ImageReply has it
+  std::string damage{};                  ///< as ImageReply has it
+  float gamma = 0;                       ///< likewise
 
   /// Where the pixels of `layout` go. Large ones are shared: each such picture costs whoever asked
   /// a descriptor, a smaller one a copy.

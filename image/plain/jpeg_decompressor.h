@@ -13,6 +13,7 @@ struct JpegDecompressor {
   jpeg_decompress_struct info{};
   jpeg_error_mgr errors{};
   std::jmp_buf place{};
+  char damage[JMSG_LENGTH_MAX] = {};  ///< the first warning: what is wrong with the file's data
 
   /// `info` is still to be created, which may fail; what is only a warning is counted.
   JpegDecompressor() {
@@ -22,7 +23,10 @@ struct JpegDecompressor {
       std::longjmp(static_cast<JpegDecompressor*>(of->client_data)->place, 1);
     };
     errors.emit_message = [](j_common_ptr of, int level) {
-      if (level < 0) ++of->err->num_warnings;
+      if (level >= 0) return;
+      auto& jpeg = *static_cast<JpegDecompressor*>(of->client_data);
+      if (jpeg.damage[0] == 0) of->err->format_message(of, jpeg.damage);
+      ++of->err->num_warnings;
     };
   }
   JpegDecompressor(const JpegDecompressor&) = delete;

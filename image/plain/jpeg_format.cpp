@@ -21,7 +21,8 @@ bool read_header(JpegDecompressor& jpeg, std::span<const char> file) {
   return jpeg_read_header(&info, TRUE) == JPEG_HEADER_OK;
 }
 
-/// False after an error or warning; the frame owns nothing.
+/// False after an error; the frame owns nothing. After a warning libjpeg goes on with what it can
+/// make out, and grey for the rest.
 bool read_rows(JpegDecompressor& jpeg, size_t row_bytes, std::span<char> pixels) {
   if (setjmp(jpeg.place)) return false;
   jpeg_decompress_struct& info = jpeg.info;
@@ -30,7 +31,7 @@ bool read_rows(JpegDecompressor& jpeg, size_t row_bytes, std::span<char> pixels)
     auto* row = reinterpret_cast<JSAMPROW>(pixels.data() + info.output_scanline * row_bytes);
     jpeg_read_scanlines(&info, &row, 1);
   }
-  return info.err->num_warnings == 0;
+  return true;
 }
 
 bool read_profile(JpegDecompressor& jpeg, JOCTET*& profile, unsigned& size) {
@@ -43,8 +44,9 @@ bool read_profile(JpegDecompressor& jpeg, JOCTET*& profile, unsigned& size) {
 std::optional<SrgbConversion> read_conversion(JpegDecompressor& jpeg) {
   JOCTET* profile = nullptr;
   unsigned size = 0;
+  const bool was_whole = jpeg.damage[0] == 0;
   const bool is_there = read_profile(jpeg, profile, size);
-  jpeg.errors.num_warnings = 0;  // of the profile: the picture may be good without
+  if (was_whole) jpeg.damage[0] = 0;  // of the profile: the picture may be good without
   if (!is_there) return std::nullopt;
   const std::unique_ptr<JOCTET, void (*)(void*)> ours(profile, std::free);
   return SrgbConversion::from({profile, size});
@@ -55,7 +57,7 @@ std::optional<SrgbConversion> read_conversion(JpegDecompressor& jpeg) {
 std::optional<ImageAnswer> decode_jpeg(std::span<const char> file, bool to_srgb) {
   JpegDecompressor jpeg;
   const jpeg_decompress_struct& info = jpeg.info;
-  if (!read_header(jpeg, file) || jpeg.errors.num_warnings != 0) return std::nullopt;
+  if (!read_header(jpeg, file)) return std::nullopt;
   const bool is_grey = info.jpeg_color_space == JCS_GRAYSCALE;
   if (!is_grey && info.jpeg_color_space != JCS_YCbCr && info.jpeg_color_space != JCS_RGB) {
     return std::nullopt;
@@ -76,12 +78,13 @@ std::optional<ImageAnswer> decode_jpeg(std::span<const char> file, bool to_srgb)
     if (answer.shared) SealedMemory::finish(pixels);
   };
   const std::span<char> pixels = answer.make_room();
-  if (const auto slices = JpegSlices::cut(info, file)) {
-    if (!decode_slices(*slices, channels, pixels, finish)) return std::nullopt;
-  } else {
+  const auto slices = JpegSlices::cut(info, file);
+  // What is damaged in one slice shows in its place alone when the rows are read in their order.
+  if (!slices || !decode_slices(*slices, channels, pixels, finish)) {
     if (!read_rows(jpeg, row_bytes, pixels)) return std::nullopt;
     finish(pixels);
   }
+  answer.damage = jpeg.damage;
   return answer;
 }
 

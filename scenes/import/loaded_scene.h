@@ -54,6 +54,7 @@ struct DecodedTexture {
   SampleMeaning meaning{};  ///< integers of 8 bits are from integers whatever it says
   std::vector<std::string> unused_channels{};  ///< names of channels that its file has beside these
   std::string part_note{};  ///< which part of its file it is, where that is not the first
+  std::string damage{};     ///< what is wrong with a file that was read as far as it goes
   float gamma = 0;          ///< exponent that made its codes, as the file says; 0: as sRGB
 };
 /// Reads the picture in a file. Whoever reads scenes brings it: scenes decode no pictures.

@@ -102,6 +102,8 @@ std::string mend_numbers(DecodedTexture& picture) {
 std::vector<std::string> prepare_picture(DecodedTexture& picture, SampleEncoding encoding) {
   std::vector<std::string> notes;
   if (!picture.part_note.empty()) notes.push_back(picture.part_note);
+  if (!picture.damage.empty())
+    notes.push_back(fmt::format("it is damaged, and read as far as it goes: {}", picture.damage));
   if (picture.gamma > 0 && encoding != SampleEncoding::linear)
     notes.push_back(fmt::format(
         "its codes have gamma {:.5g} (gAMA) by what the file says; they are read as those of sRGB",

@@ -20,8 +20,8 @@ struct StandardView {
   Vec3 from, up;
 };
 
-/// front, back, left, right, side (the same as right), top, bottom and iso, which is from the front,
-/// the right and above.
+/// front, back, left, right, side (the same as right), top, bottom and iso, which is from the
+/// front, the right and above.
 const std::vector<std::string>& standard_view_names();
 /// `name`: one of those.
 StandardView standard_view(const std::string& name, bool z_is_up);

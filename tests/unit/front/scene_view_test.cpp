@@ -47,10 +47,10 @@ TEST(SceneView, LooksFromThereAtAllThatThereIs) {
     const char* view;
     Vec3 along, up;
   };
-  for (const Case& each :
-       {Case{"front", {0, 0, -1}, {0, 1, 0}}, Case{"back", {0, 0, 1}, {0, 1, 0}},
-        Case{"right", {-1, 0, 0}, {0, 1, 0}}, Case{"left", {1, 0, 0}, {0, 1, 0}},
-        Case{"side", {-1, 0, 0}, {0, 1, 0}}, Case{"top", {0, -1, 0}, {0, 0, -1}}, Case{"bottom", {0, 1, 0}, {0, 0, 1}}}) {
+  for (const Case& each : {Case{"front", {0, 0, -1}, {0, 1, 0}}, Case{"back", {0, 0, 1}, {0, 1, 0}},
+                           Case{"right", {-1, 0, 0}, {0, 1, 0}}, Case{"left", {1, 0, 0}, {0, 1, 0}},
+                           Case{"side", {-1, 0, 0}, {0, 1, 0}}, Case{"top", {0, -1, 0}, {0, 0, -1}},
+                           Case{"bottom", {0, 1, 0}, {0, 0, 1}}}) {
     SCOPED_TRACE(each.view);
     RenderOptions options = from(each.view);
     const v1::Scene y = seen(options).scene;

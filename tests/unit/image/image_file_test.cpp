@@ -299,17 +299,35 @@ TEST_F(ImageFile, a_png_of_several_parts_is_one_picture) {
             *read_texture_image(folder_ / "a.bmp").texels);
 }
 
-TEST_F(ImageFile, a_large_jpeg_that_breaks_off_is_no_picture) {
+TEST_F(ImageFile, a_jpeg_that_breaks_off_is_read_as_far_as_it_goes) {
   write_image(folder_ / "a.jpg", large_picture(), display_, {});
   std::ifstream file(folder_ / "a.jpg", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const TextureImage whole = decode_texture_image("a", bytes);
+  EXPECT_EQ(whole.damage, "");
   for (const size_t part : {2, 3, 50}) {
     const std::string_view cut =
         std::string_view(bytes).substr(0, bytes.size() * (part - 1) / part);
-    EXPECT_EQ(code_of([&] { decode_texture_image("a", cut); }), ExitCode::bad_scene) << part;
-    // And the codec goes on.
-    EXPECT_EQ(decode_texture_image("a", bytes).texels->size(), 700u * 401 * 3);
+    const TextureImage read = decode_texture_image("a", cut);
+    EXPECT_EQ(read.damage, "Premature end of JPEG file") << part;
+    ASSERT_EQ(read.texels->size(), whole.texels->size());
+    const auto same = std::ranges::mismatch(*read.texels, *whole.texels).in1 - read.texels->begin();
+    EXPECT_GT(same, static_cast<std::ptrdiff_t>(whole.texels->size() / part / 4)) << part;
+    EXPECT_LT(same, static_cast<std::ptrdiff_t>(whole.texels->size())) << part;
   }
+  const auto header = std::string_view(bytes).substr(0, 100);
+  EXPECT_EQ(code_of([&] { decode_texture_image("a", header); }), ExitCode::bad_scene);
+}
+
+TEST_F(ImageFile, odd_data_of_a_jpeg_is_told_and_read) {
+  write_image(folder_ / "a.jpg", large_picture(), display_, {});
+  std::ifstream file(folder_ / "a.jpg", std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const TextureImage whole = decode_texture_image("a", bytes);
+  bytes.insert(2, "stray");  // before the first marker after the file's own
+  const TextureImage read = decode_texture_image("a", bytes);
+  EXPECT_TRUE(read.damage.starts_with("Corrupt JPEG data: 5 extraneous bytes")) << read.damage;
+  EXPECT_EQ(*read.texels, *whole.texels);
 }
 
 /// The process that decodes for this one, or 0.

@@ -52,8 +52,8 @@ class X3dTree {
   /// node itself must not be among them.
   void begin(X3dNode& node, std::string name);
   void finish(const X3dNode& node);
-  /// The last node of that name before it, none that it is a part of; null where there is none, which
-  /// is told unless the part is ignored. `type` may be empty: any.
+  /// The last node of that name before it, none that it is a part of; null where there is none,
+  /// which is told unless the part is ignored. `type` may be empty: any.
   X3dNode* use(const std::string& name, std::string_view type, size_t offset);
   void add_child(X3dNode& parent, const std::string& container, X3dNode* node);
   /// What a field of that node is called, which VRML97 may call otherwise.

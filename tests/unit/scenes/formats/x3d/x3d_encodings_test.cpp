@@ -458,8 +458,9 @@ TEST(X3dEncodings, ListsAreNotReadAgainAndAgainForever) {
 TEST(X3dEncodings, AUseInsideANodeMeansAnEarlierOneOfThatName) {
   const std::string red = "Shape { appearance Appearance { material DEF pin Material { ";
   const auto classic = parse_classic(
-      red + "diffuseColor 1 0 0 } } geometry Box { } } DEF pin Transform { children DEF pin Shape { "
-            "appearance Appearance { material USE pin } geometry Sphere { } } } USE pin",
+      red +
+          "diffuseColor 1 0 0 } } geometry Box { } } DEF pin Transform { children DEF pin Shape { "
+          "appearance Appearance { material USE pin } geometry Sphere { } } } USE pin",
       "VRML");
   const auto xml = parse_x3d(
       "<X3D version='3.3'><Scene><Shape><Appearance><Material DEF='pin' diffuseColor='1 0 0'/>"
@@ -478,16 +479,16 @@ TEST(X3dEncodings, AUseInsideANodeMeansAnEarlierOneOfThatName) {
 TEST(X3dEncodings, AScriptMayReferToWhatItIsAPartOf) {
   const std::vector<std::string> ignored{"t.x3dv: ignored: 1 Script"};
   EXPECT_EQ(parse_classic("DEF S Script { field SFNode self USE S }", "VRML").warnings, ignored);
-  EXPECT_EQ(parse_classic("DEF G Group { children Script { field SFNode self USE G } }", "VRML")
-                .warnings,
-            ignored);
+  EXPECT_EQ(
+      parse_classic("DEF G Group { children Script { field SFNode self USE G } }", "VRML").warnings,
+      ignored);
   EXPECT_EQ(parse_x3d("<X3D><Scene><Script DEF='S'><field name='self' type='SFNode'><Script "
                       "USE='S'/></field></Script></Scene></X3D>",
                       "t.x3d", {})
                 .warnings,
             std::vector<std::string>{"t.x3d: ignored: 1 Script, 1 field"});
-  EXPECT_EQ(parse_classic("DEF S Script { } DEF G Group { children USE G }", "VRML").warnings.size(),
-            2u)
+  EXPECT_EQ(
+      parse_classic("DEF S Script { } DEF G Group { children USE G }", "VRML").warnings.size(), 2u)
       << "what follows a Script is no part of it";
 }
 
