@@ -90,7 +90,7 @@ SceneInfo inspect(const InfoOptions& wanted) {
   for (const std::string& warning : picture_warnings(options, loaded)) {
     info.warnings.push_back(warning);
   }
-  for (const std::string& warning : mesh_warnings(scene->counters)) {
+  for (const std::string& warning : located_mesh_warnings(scene->counters, options.scene)) {
     info.warnings.push_back(warning);
   }
   return info;

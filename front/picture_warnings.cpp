@@ -188,12 +188,20 @@ std::vector<std::string> scene_warnings(const RenderOptions& options, const Load
   return all;
 }
 
-std::vector<std::string> report_warnings(const JobReport& report) {
+std::vector<std::string> located_mesh_warnings(const CounterMap& counters,
+                                               const std::string& scene) {
+  std::vector<std::string> warnings = mesh_warnings(counters);
+  if (!scene.empty())
+    for (std::string& warning : warnings) warning = fmt::format("{}: {}", scene, warning);
+  return warnings;
+}
+
+std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene) {
   const auto count = [](const CounterMap& counters, const char* name) {
     const auto at = counters.find(name);
     return at == counters.end() ? 0 : at->second;
   };
-  std::vector<std::string> warnings = mesh_warnings(report.build_counters);
+  std::vector<std::string> warnings = located_mesh_warnings(report.build_counters, scene);
   if (const uint64_t lost = count(report.counters, "nan_samples"); lost > 0) {
     warnings.push_back(fmt::format(
         "{} had no colour that a pixel can hold and count as black; expected light and colours "

@@ -19,8 +19,11 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
 /// Those, after what was told of reading the scene: each once.
 std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);
 /// What of a picture that was traced is hardly what was meant: what its scene leaves out, samples
-/// that were no colour, or nothing but the background.
-std::vector<std::string> report_warnings(const JobReport& report);
+/// that were no colour, or nothing but the background. `scene`: its file; empty: not known.
+std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene = {});
+/// As mesh_warnings() of what was built of that file.
+std::vector<std::string> located_mesh_warnings(const CounterMap& counters,
+                                               const std::string& scene);
 /// That much of a picture of light is brighter than white, where a file of integers is among
 /// `paths` and its tone curve just cuts that off, and by how much less light it would show.
 /// `settings`: of such files.

@@ -65,6 +65,11 @@ void add_read_options(OptionList& list, ReadOptions& options) {
       "Which axis points up in a model that comes without a view, for its camera, lights and "
       "background; coordinates stay as they are [y; z for STL]",
       options.up, std::array<std::pair<const char*, Up>, 2>{{{"y", Up::y}, {"z", Up::z}}});
+  scene.add_flag(
+      "--strict",
+      "What is wrong in a file and would be mended or done without, with a warning, is an "
+      "error; that includes --x3d-strict",
+      options.strict);
   scene.add_flag("--two-sided",
                  "Show back faces, which glTF's one-sided materials and X3D's 'solid' hide",
                  options.two_sided);

@@ -33,7 +33,7 @@ def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Pat
     :param environment: a panorama in place of the background; it alone lights a model that brings no lights.
     :param frame: of an animation that has a script.
     :param place: "FILE:at=X,Y,Z:rotate=X,Y,Z:scale=S:mirror=AXES", other scenes placed into this one.
-    :param strict: a picture or an Inline that is missing is an error, also called `x3d_strict`.
+    :param strict: what is wrong in a file, and would be mended or done without, with a warning, is an error.
     :param two_sided: shows back faces, which glTF's one-sided materials and X3D's `solid` hide.
     :param up: which axis points up in a model that comes without a view; coordinates stay as they are.
     :param x3d_color: how the numbers of X3D's colours are meant: "display" codes or "linear" light.
@@ -41,17 +41,16 @@ def load(path: Path, *, assets: Optional[Path] = None, environment: Optional[Pat
     :param x3d_texture: whether a coloured texture replaces the material's colour ("replace") or multiplies
         it ("modulate"), or what the file's "version" of X3D has it do.
     :param x3d_weld: points this near share the normals that are made; in the file's unit, > 0.
-    :param x3d_strict: the same as `strict`, as the option is called.
+    :param x3d_strict: a picture or an Inline of X3D that is missing is an error.
     :param x3d_two_sided: the same as `two_sided`.
 
     Raises MissingFile for files that are not there, SceneError for what is wrong in them, and UsageError for
     other words and numbers.
     """
-    x3d_strict = x3d_strict or strict
     options = {name: value for name, value in locals().items()
-               if name not in ("path", "frame", "strict", "unknown")}
+               if name not in ("path", "frame", "unknown")}
     if unknown:
-        refuse_unknown("load", unknown, ["path", "frame", "strict", *options])
+        refuse_unknown("load", unknown, ["path", "frame", *options])
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"path: {path!r:.100}; expected the path of a file")
     name = checked_scene(os.fspath(path), "path")

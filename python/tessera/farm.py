@@ -77,7 +77,7 @@ class Farm(BaseFarm):
                accel: Optional[Accelerator] = None, aovs: Aovs = (),
                transparent_background: bool = False, time: Optional[float] = None, place: Union[str, Sequence[str]] = (),
                assets: Optional[Path] = None, environment: Optional[Path] = None, up: Optional[Up] = None,
-               two_sided: bool = False, x3d_color: Optional[X3dColor] = None,
+               strict: bool = False, two_sided: bool = False, x3d_color: Optional[X3dColor] = None,
                x3d_shadows: Optional[X3dShadows] = None, x3d_texture: Optional[X3dTexture] = None,
                x3d_weld: Optional[float] = None, x3d_strict: bool = False,
                x3d_two_sided: bool = False, tile: Optional[int] = None,

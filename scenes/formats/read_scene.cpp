@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/all_failures.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/lower_case.h"
@@ -175,6 +176,7 @@ class FileReader {
   /// `first` is the scene's own file.
   FileReader(const std::string& first, ReadOptions options)
       : options_(std::move(options)), assets_(first, options_.assets) {
+    if (options_.strict) options_.x3d_strict = true;
     options_.check_scene = [this](const std::string& file) { return problem(file, ""); };
   }
   FileReader(const FileReader&) = delete;
@@ -300,6 +302,19 @@ void show_back_faces(v1::Scene& scene, const ReadOptions& options) {
     if (material.sides() == v1::Material::FRONT_ONLY) material.set_sides(v1::Material::TWO_SIDED);
 }
 
+/// Does what ReadOptions::strict asks for.
+void check_strictly(const LoadedScene& loaded, const ReadOptions& options) {
+  if (!options.strict) return;
+  AllFailures failures;
+  for (const Diagnostic& repair : loaded.repairs)
+    failures.add(scene_error(
+        repair.place, repair.found,
+        repair.expected + (repair.suggestion.empty()
+                               ? ""
+                               : fmt::format("; did you mean '{}'?", repair.suggestion))));
+  failures.throw_if_any();
+}
+
 }  // namespace
 
 void check_scene_format(const std::string& path, const ReadOptions& options) {
@@ -318,6 +333,7 @@ void add_files(LoadedScene& made, const std::string& name, const ReadOptions& op
     check_scene(made.scene, name);
   }
   show_back_faces(made.scene, options);
+  check_strictly(made, options);
 }
 
 LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
@@ -339,6 +355,7 @@ LoadedScene read_scene(const std::string& path, const ReadOptions& options) {
     loaded.scene.mutable_metadata()->set_source_file(to_utf8(fs::path(path).filename().string()));
   if (options.origins) loaded.origins.settle(loaded.scene);
   check_scene(loaded.scene, path);
+  check_strictly(loaded, options);
   return loaded;
 }
 

@@ -36,7 +36,8 @@ struct LoadedScene {
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
   std::vector<Diagnostic> warning_diagnostics{};  ///< the parts of each, in the same order
   /// Of the warnings those about values that break a rule of their format and were taken for the
-  /// nearest that keeps it, each as the error that a strict reading makes of it.
+  /// nearest that keeps it, or that name files which cannot be read, each as the error that a
+  /// strict reading makes of it.
   std::vector<Diagnostic> repairs{};
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".
@@ -102,9 +103,11 @@ struct ReadOptions {
   /// What a coloured texture does to the material's colour: by the letter it takes its place up to
   /// X3D 3.3, and multiplies it from 4.0 on.
   X3dTexture x3d_texture = X3dTexture::by_version;
-  double x3d_weld = 0;      ///< points this near share the normals that are made, in X3D's units
-  bool x3d_strict = false;  ///< a picture or an Inline that is missing or wrong is an error
-  TextureDecoder decode_texture{};             ///< none: textures keep the names of their files
+  double x3d_weld = 0;  ///< points this near share the normals that are made, in X3D's units
+  /// What would be in LoadedScene::repairs is an error, and so is all that x3d_strict makes one.
+  bool strict = false;
+  bool x3d_strict = false;          ///< a picture or an Inline that is missing or wrong is an error
+  TextureDecoder decode_texture{};  ///< none: textures keep the names of their files
   TextureBytesDecoder decode_texture_bytes{};  ///< of pictures inside the scene's file
   PictureCheck check_picture{};                ///< read_scene brings it where there are decoders
   SceneCheck check_scene{};                    ///< read_scene brings it

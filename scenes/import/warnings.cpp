@@ -49,6 +49,14 @@ void Warnings::repair(const Error& error, std::string_view taken) {
   repair(told.found, told.expected, taken, [&] { return told.place; });
 }
 
+void Warnings::missing(std::string_view what, const Where& where) {
+  add(what, where);
+  const auto known = index_.find(what);
+  if (known == index_.end()) return;
+  Entry& entry = entries_[known->second];
+  if (!entry.repair) entry.repair = make_diagnostic(entry.place, what, "");
+}
+
 std::vector<std::string> Warnings::list(const std::string& file) const {
   std::vector<std::string> lines;
   for (const Entry& entry : entries_) {

@@ -40,6 +40,10 @@ class Warnings {
   /// The same of an error that has one place.
   void repair(const Error& error, std::string_view taken);
 
+  /// Says of something that the file names and that is not there, as a picture, that it is done
+  /// without; a strict reading refuses that too.
+  void missing(std::string_view what, const Where& where);
+
   /// "FILE:LINE:COLUMN: what (3 times)" for each, in the order of their first appearance; "FILE:
   /// what" where no place is known. One line more tells how many are left out.
   std::vector<std::string> list(const std::string& file) const;

@@ -204,7 +204,7 @@ def test_words_are_those_of_the_renderer():
 def test_frames_and_jobs_take_the_options_of_render():
     def options(function):
         return set(inspect.signature(function).parameters)
-    of_files = {"x3d_color", "x3d_shadows", "x3d_texture", "x3d_weld", "x3d_strict", "x3d_two_sided"}
+    of_files = {"strict", "x3d_color", "x3d_shadows", "x3d_texture", "x3d_weld", "x3d_strict", "x3d_two_sided"}
     assert options(ts.render) - options(ts.Scene.frames) == {
         "scene", "time", "frame", "wait", "resume", *of_files}
     assert options(ts.render) - options(ts.Farm.submit) == {

@@ -93,7 +93,7 @@ std::string GltfTextures::picture(const GltfValue& image, size_t index) {
   if (!bytes && !file_.attempt(kLeftOut, [&] { name = GltfFile::path_of_uri(uri); })) return "";
   const std::string problem = check_ ? check_(name, bytes ? &*bytes : nullptr) : "";
   if (!problem.empty()) {
-    warnings_.add(fmt::format("picture '{}' {}", name, problem), [&] { return image.place(); });
+    warnings_.missing(fmt::format("picture '{}' {}", name, problem), [&] { return image.place(); });
     return "";
   }
   if (bytes) out_.pictures[name] = std::move(*bytes);

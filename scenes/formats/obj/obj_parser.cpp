@@ -72,7 +72,8 @@ void ObjParser::statement(std::string_view keyword) {
   if (keyword == "usemtl") return use_material();
   if (keyword == "s") return smoothing();
   if (keyword == "mtllib") {
-    file_.libraries.push_back(in_.rest());
+    std::string name = in_.rest();
+    file_.libraries.push_back({std::move(name), in_.place()});
     return;
   }
   if (keyword == "g" || keyword == "o") return;
@@ -178,7 +179,7 @@ void ObjParser::use_material() {
   if (name.empty()) repair("usemtl without a name", "a material's name", "grey is taken");
   const auto [at, is_new] =
       material_index_.try_emplace(name, static_cast<uint32_t>(file_.materials.size()));
-  if (is_new) file_.materials.push_back(name);
+  if (is_new) file_.materials.push_back({name, in_.place()});
   material_ = at->second;
 }
 

@@ -19,9 +19,13 @@ namespace tessera {
 /// `materials`.
 struct ObjFile {
   ObjMesh mesh;
-  std::vector<std::string>
-      materials;  ///< names in the order of use; "" where no usemtl came before
-  std::vector<std::string> libraries;  ///< the text after each mtllib
+  /// A name, and where the file first says it.
+  struct Reference {
+    std::string name;
+    SourcePlace place{};
+  };
+  std::vector<Reference> materials;  ///< in the order of use; "" where no usemtl came before
+  std::vector<Reference> libraries;  ///< the text after each mtllib
 };
 
 /// What cannot be read is left out with a warning. Throws scene_error with the place of the first

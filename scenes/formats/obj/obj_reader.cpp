@@ -56,31 +56,34 @@ std::vector<std::string> library_names(const std::string& written, const AssetFo
 /// Without `check` it need only be there.
 std::optional<std::string> find_picture(const std::string& written, const AssetFolder& assets,
                                         const fs::path& folder, const PictureCheck& check,
-                                        Warnings& warnings) {
+                                        const SourcePlace& place, Warnings& warnings) {
   const std::string problem = picture_problem(assets, written, check);
   if (problem.empty()) {
     const auto found = assets.find_asset(written);
-    if (!found.note.empty()) warnings.add(fmt::format("picture {}", found.note));
+    if (!found.note.empty())
+      warnings.add(fmt::format("picture {}", found.note), [&] { return place; });
     return found.file->lexically_relative(folder).generic_string();
   }
-  warnings.add(fmt::format("picture '{}' {}", written, problem));
+  warnings.missing(fmt::format("picture '{}' {}", written, problem), [&] { return place; });
   return std::nullopt;
 }
 
 /// Of the materials named in `used` pictures are checked. `notes`: of the OBJ file.
-void read_library(const std::string& written, const AssetFolder& assets, const PictureCheck& check,
-                  const std::vector<std::string>& used, MtlLibrary& library, LoadedScene& out,
-                  const std::string& path, Warnings& notes) {
-  std::string name = written;
+void read_library(const ObjFile::Reference& written, const AssetFolder& assets,
+                  const PictureCheck& check, const std::vector<ObjFile::Reference>& used,
+                  MtlLibrary& library, LoadedScene& out, const std::string& path, Warnings& notes) {
+  const auto place = [&] { return written.place; };
+  std::string name = written.name;
   for (char& c : name)
     if (c == '\\') c = '/';
   const auto [file, note] = assets.find_asset(name);
-  if (!note.empty()) notes.add(fmt::format("material library {}", to_utf8(note)));
+  if (!note.empty()) notes.add(fmt::format("material library {}", to_utf8(note)), place);
   if (!file) {
-    notes.add(fmt::format("material library '{}' lies outside {} and is not read", to_utf8(written),
-                          assets.shown_root(name)));
+    notes.missing(fmt::format("material library '{}' lies outside {} and is not read",
+                              to_utf8(written.name), assets.shown_root(name)),
+                  place);
   } else if (!is_there(*file)) {
-    notes.add(fmt::format("material library '{}' is not there", to_utf8(written)));
+    notes.missing(fmt::format("material library '{}' is not there", to_utf8(written.name)), place);
   } else if (has_text(*file)) {
     Warnings warnings;
     const bool is_as_written = !assets.searches_root && note.empty();
@@ -89,9 +92,10 @@ void read_library(const std::string& written, const AssetFolder& assets, const P
     AssetFolder below = assets;
     below.folder = file->parent_path();
     const auto finder = [&](const std::string& picture, const std::string& material) {
-      const bool is_used = std::find(used.begin(), used.end(), material) != used.end();
+      const bool is_used =
+          std::ranges::find(used, material, &ObjFile::Reference::name) != used.end();
       return find_picture(picture, below, assets.folder, is_used ? check : PictureCheck{},
-                          warnings);
+                          reader.place(), warnings);
     };
     read_mtl(reader, finder, library, warnings);
     warnings.add_to(out, reader.name());
@@ -108,8 +112,8 @@ double size_of(const std::vector<float>& positions) {
 
 /// What an OBJ file says by itself, whatever its libraries do.
 struct ObjGeometry {
-  std::vector<std::string> materials, libraries;  ///< as of ObjFile
-  double size = 0;                                ///< of size_of() its positions
+  std::vector<ObjFile::Reference> materials, libraries;  ///< as of ObjFile
+  double size = 0;                                       ///< of size_of() its positions
   bool has_triangles = false, has_colors = false;
   v1::TriangleMesh mesh;
   BlobStore blobs;
@@ -141,7 +145,7 @@ void add_materials(const ObjGeometry& file, const MtlLibrary& library, LoadedSce
   std::vector<std::string> known;
   for (const auto& entry : library.materials) known.push_back(entry.first);
   v1::Shape& shape = *out.scene.mutable_nodes(0)->mutable_shape();
-  for (const std::string& name : file.materials) {
+  for (const auto& [name, place] : file.materials) {
     const auto found = library.materials.find(name);
     v1::Material& material = *out.scene.add_materials();
     if (found != library.materials.end()) {
@@ -151,15 +155,16 @@ void add_materials(const ObjGeometry& file, const MtlLibrary& library, LoadedSce
     } else {
       material = plain_material(name.empty() ? "default" : name, file.has_colors);
       if (!name.empty())
-        warnings.add(fmt::format("material '{}' is not defined; grey is taken{}", name,
-                                 suggestion(name, known)));
+        warnings.missing(fmt::format("material '{}' is not defined; grey is taken{}", name,
+                                     suggestion(name, known)),
+                         [&where = place] { return where; });
     }
     shape.add_materials(material.name());
   }
   add_used_textures(library.textures, out.scene);
   out.picture_channels = library.picture_channels;
   for (const std::string& name : known)
-    if (std::find(file.materials.begin(), file.materials.end(), name) == file.materials.end())
+    if (std::ranges::find(file.materials, name, &ObjFile::Reference::name) == file.materials.end())
       out.unused.push_back(fmt::format("material '{}'", name));
 }
 
@@ -181,10 +186,11 @@ LoadedScene add_libraries(const ObjGeometry& file, const std::string& path,
   MtlLibrary library;
   if (assets) {
     std::set<std::string> seen;
-    for (const std::string& written : file.libraries)
-      for (const std::string& name : library_names(written, *assets))
+    for (const ObjFile::Reference& written : file.libraries)
+      for (const std::string& name : library_names(written.name, *assets))
         if (seen.insert(name).second)
-          read_library(name, *assets, check, file.materials, library, out, path, warnings);
+          read_library({name, written.place}, *assets, check, file.materials, library, out, path,
+                       warnings);
   }
   if (!file.has_triangles) {
     warnings.add("no faces: there is nothing to see");

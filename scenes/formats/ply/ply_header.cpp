@@ -86,7 +86,8 @@ class HeaderReader {
   void comment() {
     TokenReader line = in_;  // the caller goes to the next line
     if (std::string_view words = line.rest_of_line(); words.starts_with("TextureFile "))
-      header_.texture_file = to_utf8(words.substr(words.find(' ') + 1));
+      header_.texture_file = to_utf8(words.substr(words.find(' ') + 1)),
+      header_.texture_place = in_.place();
   }
 
   void format() {

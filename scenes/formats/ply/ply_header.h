@@ -31,8 +31,9 @@ struct PlyHeader {
   enum class Encoding { ascii, little_endian, big_endian };
   Encoding encoding = Encoding::ascii;
   std::vector<PlyElement> elements;
-  std::string texture_file;  ///< of a line "comment TextureFile NAME", as scanners write
-  size_t data_begin = 0;     ///< the byte after the header
+  std::string texture_file;   ///< of a line "comment TextureFile NAME", as scanners write
+  SourcePlace texture_place;  ///< of that line
+  size_t data_begin = 0;      ///< the byte after the header
 
   /// How many rows all elements have that have any properties.
   uint64_t row_count() const;

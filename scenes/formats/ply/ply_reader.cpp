@@ -458,7 +458,8 @@ LoadedScene parse_ply(std::string_view bytes, const std::string& name, const Pic
       if (problem.empty())
         add_texture(file, out.scene, material);
       else
-        warnings.add(fmt::format("picture '{}' {}", file, problem));
+        warnings.missing(fmt::format("picture '{}' {}", file, problem),
+                         [&] { return header.texture_place; });
     }
     node.mutable_shape()->add_materials("default");
     *node.mutable_shape()->mutable_mesh() = store_mesh(std::move(mesh), out.blobs);

@@ -184,15 +184,56 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
         "wood.png", "b.x3d:1:33: the picture '/x/wood.png' is not there; 'wood.png' is taken");
 }
 
+TEST_F(ReadScene, TellsWhereAModelNamesWhatIsNotThere) {
+  write("a.mtl", "newmtl a\nKd 0 1 0\nmap_Kd wood.png\n");
+  const std::string path =
+      write("a.obj",
+            "mtllib none.mtl\nmtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"
+            "usemtl b\nf 1 3 2\nusemtl a\nusemtl b\nf 1 2 3\n");
+  const std::string folder = folder_.string() + "/";
+  EXPECT_EQ(read_scene(path).warnings,
+            (std::vector<std::string>{
+                folder + "a.mtl:3:8: picture 'wood.png' is not there",
+                folder + "a.obj:1:8: material library 'none.mtl' is not there",
+                folder + "a.obj:8:8: material 'b' is not defined; grey is taken; did you mean "
+                         "'a'?"}));
+}
+
+TEST_F(ReadScene, StrictlyReadWhatIsMendedAnywhereIsWrong) {
+  ReadOptions strict;
+  strict.strict = true;
+  write("a.mtl", "newmtl a\nKd 0 1 0\nNs -1\nmap_Kd wood.png\nrefl x.png\n");
+  write("odd.obj",
+        std::string("mtllib none.mtl\nmtllib a.mtl\nusemtl a\nvn 0 0 nan\n") + kTriangle);
+  const std::string scene = write("a.tessera", "includes { file: 'odd.obj' }");
+  const LoadedScene lax = read_scene(scene);
+  EXPECT_EQ(lax.warnings.size(), 5u) << "one of what is not read";
+  const std::string folder = folder_.string() + "/";
+  EXPECT_EQ(error_of([&] { read_scene(scene, strict); }),
+            folder + "a.mtl:3:4: Ns: '-1'; expected an exponent of 0 or more\n" + folder +
+                "a.mtl:4:8: picture 'wood.png' is not there\n" + folder +
+                "odd.obj:4:8: 'nan'; expected a normal's component that is finite\n" + folder +
+                "odd.obj:1:8: material library 'none.mtl' is not there");
+  write("a.mtl", "newmtl a\nrefl x.png\n");
+  const std::string good = write("good.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle);
+  EXPECT_EQ(read_scene(good, strict).warnings.size(), 1u);
+  EXPECT_NE(error_of([&] {
+              read_scene(write("a.x3d", "<X3D><Scene><Inline url='none.x3d'/></Scene></X3D>"),
+                         strict);
+            }).find("a.x3d:1:22: Inline of 'none.x3d'"),
+            std::string::npos);
+}
+
 TEST_F(ReadScene, FindsMaterialLibrariesByName) {
   write("a.mtl", "newmtl a\nKd 0 1 0\n");
   const LoadedScene loaded = read_scene(
       write("a.obj", std::string("mtllib /home/ann/chair/a.mtl\nusemtl a\n") + kTriangle));
   EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().g(), 1);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("a.obj: material library '/home/ann/chair/a.mtl' is not there; "
-                                    "'a.mtl' is taken for it"),
-            std::string::npos)
+  EXPECT_NE(
+      loaded.warnings[0].find("a.obj:1:8: material library '/home/ann/chair/a.mtl' is not there; "
+                              "'a.mtl' is taken for it"),
+      std::string::npos)
       << loaded.warnings[0];
 }
 

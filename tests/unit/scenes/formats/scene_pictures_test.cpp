@@ -99,7 +99,7 @@ TEST_F(ReadScene, TakesAMapThatCannotBeDecodedForAMissingOne) {
   EXPECT_EQ(loaded.scene.textures_size(), 1);
   EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().r(), 0) << "as without map_Kd";
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("a.mtl: picture 'bad.png' no picture; expected one"),
+  EXPECT_NE(loaded.warnings[0].find("a.mtl:5:8: picture 'bad.png' no picture; expected one"),
             std::string::npos)
       << loaded.warnings[0];
   EXPECT_EQ(decoded, 2) << "each once";
@@ -126,7 +126,7 @@ TEST_F(ReadScene, TakesAPictureOfAModelThatCannotBeDecodedForAMissingOne) {
                  options);
   EXPECT_EQ(ply.scene.textures_size(), 0);
   ASSERT_EQ(ply.warnings.size(), 1u);
-  EXPECT_TRUE(ply.warnings[0].ends_with("a.ply: picture 'bad.png' no picture; expected one"))
+  EXPECT_TRUE(ply.warnings[0].ends_with("a.ply:3:1: picture 'bad.png' no picture; expected one"))
       << ply.warnings[0];
   const LoadedScene gltf = read_scene(
       write("a.gltf",
