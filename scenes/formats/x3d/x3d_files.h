@@ -2,10 +2,12 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "scenes/formats/x3d/document/x3d_document.h"
 #include "scenes/import/asset_folder.h"
 
 namespace tessera {
@@ -45,6 +47,15 @@ class X3dFiles {
   /// others could not be.
   std::vector<std::string> open;
   std::map<std::string, std::string> objects, problems;
+  /// Those that were read for their prototypes, which documents refer to, and the nodes and bytes
+  /// that they keep.
+  std::map<std::string, std::shared_ptr<const X3dDocument>> prototypes;
+  size_t prototype_nodes = 0, prototype_bytes = 0;
+  /// Whether no more may be read.
+  bool is_full() const {
+    return open.size() >= kMaxOpen ||
+           objects.size() + problems.size() + prototypes.size() >= kMaxFiles;
+  }
   /// Whether a file is a part of itself, or they are too many: whatever is left out, that is wrong.
   bool is_endless = false;
 

@@ -60,11 +60,7 @@ void X3dTranslator::add_all(const v1::Transform& path, double unit, Nodes& out) 
   }
   failures_.throw_if_any();
   list_ignored();
-  for (const X3dDocument::Remark& remark : document_.remarks())
-    if (remark.taken.empty())
-      values_.warn(remark.offset, remark.text);
-    else
-      values_.repair(remark.offset, remark.text, remark.expected, remark.taken);
+  values_.tell_remarks();
   warnings_.add_to(out_, document_.name());
 }
 
@@ -295,7 +291,7 @@ void X3dTranslator::mark(const X3dNode& node, v1::Node& out) {
   Origin origin{.kind = node.type == "Inline" ? Origin::Kind::include : Origin::Kind::part,
                 .file = origins.file(document_.name()),
                 .offset = static_cast<uint32_t>(node.offset)};
-  if (node.instance) {
+  if (node.instance && !node.file) {
     origin.above = origins.add({.kind = Origin::Kind::use,
                                 .file = origin.file,
                                 .offset = static_cast<uint32_t>(*node.instance)});

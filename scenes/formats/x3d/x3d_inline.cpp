@@ -115,7 +115,7 @@ std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& u
                                        v1::Node& out) {
   X3dFiles& files = build_.files;
   if (!files.has_folder()) return "no folder is known";
-  const X3dFiles::Found found = files.find(url, folder_, takes_others);
+  const X3dFiles::Found found = files.find(url, folder_of(node), takes_others);
   if (found.file.empty()) return found.reason;
   const bool is_other = !found.note.empty();
   const auto endless = [&](const std::string& what, const std::string& expected) {
@@ -135,8 +135,7 @@ std::string X3dTranslator::read_inline(const X3dNode& node, const std::string& u
   }
   if (const auto known = files.problems.find(found.file); known != files.problems.end())
     return known->second;
-  if (files.open.size() >= X3dFiles::kMaxOpen ||
-      files.objects.size() + files.problems.size() >= X3dFiles::kMaxFiles)
+  if (files.is_full())
     throw endless("too many Inlines", fmt::format("at most {} files, {} one inside the other",
                                                   X3dFiles::kMaxFiles, X3dFiles::kMaxOpen));
 
@@ -171,12 +170,13 @@ void X3dTranslator::add_file(const std::string& file, const std::string& name,
     *include.mutable_transform() = path;
     return;
   }
-  const X3dDocument document =
-      X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes), full);
   files.open.push_back(file);
+  const std::string folder = X3dFiles::folder_of(file);
+  const X3dDocument document = X3dDocument::parse(read_input_file(full, X3dDocument::kMaxBytes),
+                                                  full, build_.prototype_finder(folder));
   v1::Object object;
   object.set_name(name);
-  X3dTranslator(document, build_, X3dFiles::folder_of(file))
+  X3dTranslator(document, build_, folder)
       .add_all(path, document_.metres_per_unit(), *object.mutable_nodes());
   *out_.scene.add_objects() = std::move(object);
   files.open.pop_back();

@@ -9,8 +9,8 @@ namespace {
 
 LoadedScene read_first(std::string_view bytes, const std::string& name, const ReadOptions& options,
                        X3dFiles files) {
-  const X3dDocument document = X3dDocument::parse(bytes, name);
   X3dBuild build{.options = options, .files = std::move(files)};
+  const X3dDocument document = X3dDocument::parse(bytes, name, build.prototype_finder(""));
   // Its warnings and errors come again, among all that there are.
   AllFailures on_the_way;
   on_the_way.attempt([&] {

@@ -136,8 +136,7 @@ std::string X3dTranslator::texture(const X3dNode* node, const Look& look, bool i
   set_integer_encoding(is_color ? color_encoding() : v1::Texture::Image::ENCODING_LINEAR, image);
   set_wrapping(*node, image);
   std::string name = node->type == "PixelTexture" ? pixel_texture(*node, std::move(image))
-                                                  : image_texture(values_.strings(*node, "url"),
-                                                                  std::move(image), node->offset);
+                                                  : image_texture(*node, std::move(image));
   const bool own = !name.empty() && name != build_.placeholder;
   if (own && (turn || look.coordinates != Coordinates::uv)) {
     v1::Texture& made = *out_.scene.mutable_textures()->rbegin();
@@ -186,7 +185,8 @@ std::string X3dTranslator::add_texture(v1::Texture texture, const std::string& w
 
 /// Why the URL names no picture; else "", with what Image.file calls it in `out`. `takes_others`:
 /// another file may be taken for it.
-std::string X3dTranslator::check_picture(const std::string& url, bool takes_others, Picture& out) {
+std::string X3dTranslator::check_picture(const X3dNode& node, const std::string& url,
+                                         bool takes_others, Picture& out) {
   const PictureCheck& check = build_.options.check_picture;
   const auto known = build_.data_pictures.find(url);
   if (known != build_.data_pictures.end()) {
@@ -212,7 +212,7 @@ std::string X3dTranslator::check_picture(const std::string& url, bool takes_othe
     out.file = url;
     return "";
   }
-  const X3dFiles::Found found = build_.files.find(url, folder_, takes_others);
+  const X3dFiles::Found found = build_.files.find(url, folder_of(node), takes_others);
   if (found.file.empty()) return found.reason;
   if (check) problem = check(build_.files.full(found.file), nullptr);
   out.is_damaged |= !problem.empty();
@@ -220,26 +220,27 @@ std::string X3dTranslator::check_picture(const std::string& url, bool takes_othe
   return problem;
 }
 
-X3dTranslator::Picture X3dTranslator::find_picture(const std::vector<std::string>& urls) {
+X3dTranslator::Picture X3dTranslator::find_picture(const X3dNode& node,
+                                                   const std::vector<std::string>& urls) {
   Picture out;
   for (const std::string& url : urls) {
-    const std::string reason = check_picture(url, false, out);
+    const std::string reason = check_picture(node, url, false, out);
     if (reason.empty()) return out;
     out.reasons +=
         fmt::format("{}'{}': {}", out.reasons.empty() ? "" : "; ", X3dFiles::shown(url), reason);
   }
   for (const std::string& url : urls) {
     Picture other;
-    if (check_picture(url, true, other).empty()) return other;
+    if (check_picture(node, url, true, other).empty()) return other;
   }
   return out;
 }
 
-/// The first of `urls` that names a picture, else a placeholder and a warning.
-std::string X3dTranslator::image_texture(const std::vector<std::string>& urls,
-                                         v1::Texture::Image image, size_t offset) {
+/// The first of its URLs that names a picture, else a placeholder and a warning.
+std::string X3dTranslator::image_texture(const X3dNode& node, v1::Texture::Image image) {
+  const std::vector<std::string> urls = values_.strings(node, "url");
   if (urls.empty()) return "";
-  return picture_texture(find_picture(urls), std::move(image), offset);
+  return picture_texture(find_picture(node, urls), std::move(image), node.offset);
 }
 
 std::string X3dTranslator::picture_texture(const Picture& picture, v1::Texture::Image image,
@@ -324,7 +325,7 @@ std::string X3dTranslator::sky_texture(const X3dNode& node, const std::string& s
     // What is missing shows the colours, which stand behind the pictures for this.
     const auto all = values_.strings(node, urls);
     if (all.empty()) return "";
-    const Picture picture = find_picture(all);
+    const Picture picture = find_picture(node, all);
     if (!picture.file.empty()) return picture_texture(picture, std::move(image), field->offset);
     values_.warn(field->offset, fmt::format("the background has no picture {}", picture.reasons));
     return "";

@@ -42,6 +42,8 @@ struct X3dBuild {
   v1::Camera view{};          ///< from which the scene is seen unless another one is asked for
   double framed_extent = 0;   ///< metres across all that a view is framed for
 
+  /// Finds prototypes for a document of that folder, as X3dFiles names it. Refers to this.
+  X3dPrototypeFinder prototype_finder(const std::string& folder);
   /// `wish`, or that with a number behind it; from now on it is taken.
   static std::string unique(X3dNames& names, const std::string& wish);
   void put(const Color& color, v1::Color* out_color) const;
@@ -153,10 +155,11 @@ class X3dTranslator {
     bool is_damaged = false;  ///< one of those is there and is no picture
     std::string note{};       ///< as of AssetFolder::Found
   };
-  Picture find_picture(const std::vector<std::string>& urls);
-  std::string check_picture(const std::string& url, bool takes_others, Picture& out);
-  std::string image_texture(const std::vector<std::string>& urls, v1::Texture::Image image,
-                            size_t offset);
+  /// `node` says which file the URLs stand in.
+  Picture find_picture(const X3dNode& node, const std::vector<std::string>& urls);
+  std::string check_picture(const X3dNode& node, const std::string& url, bool takes_others,
+                            Picture& out);
+  std::string image_texture(const X3dNode& node, v1::Texture::Image image);
   std::string picture_texture(const Picture& picture, v1::Texture::Image image, size_t offset);
   std::string pixel_texture(const X3dNode& node, v1::Texture::Image image);
   std::string add_texture(v1::Texture texture, const std::string& wish);
@@ -166,6 +169,10 @@ class X3dTranslator {
   std::string sky_texture(const X3dNode& node, const std::string& side);
   v1::Texture::Image::Encoding color_encoding() const;
 
+  /// What URLs in the node are relative to.
+  std::string folder_of(const X3dNode& node) const {
+    return node.file ? X3dFiles::folder_of(*node.file) : folder_;
+  }
   void put(const Color& color, v1::Color* out) const { build_.put(color, out); }
 
   const X3dDocument& document_;

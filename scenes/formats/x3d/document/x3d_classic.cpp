@@ -65,8 +65,8 @@ void blank_comments(std::string& text) {
 /// What a field's value is shows in how it begins: a name begins a node, all else is a value.
 class X3dClassicReader {
  public:
-  X3dClassicReader(std::string_view text, const std::string& name)
-      : document_(text, name, true), tree_(document_) {}
+  X3dClassicReader(std::string_view text, const std::string& name, const X3dPrototypeFinder& find)
+      : document_(text, name, true), tree_(document_, find) {}
 
   X3dDocument read() {
     read_header();
@@ -74,6 +74,7 @@ class X3dClassicReader {
     X3dNode& scene = tree_.add("Scene", 0, 0);
     document_.scene_ = &scene;
     while (!at_end()) read_statement(scene, "children", 0);
+    tree_.end();
     return std::move(document_);
   }
 
@@ -182,10 +183,7 @@ class X3dClassicReader {
       take();
       declare(depth + 1);
     } else if (token.is("EXTERNPROTO")) {
-      tree_.add("ExternProtoDeclare", take().offset, 0);
-      elsewhere_.insert(take_name("a name"));
-      skip_list();
-      skip_value();
+      declare_elsewhere();
     } else if (token.is("ROUTE") || token.is("IMPORT") || token.is("EXPORT")) {
       tree_.add(std::string(token.text), take().offset, 0);
       take();
@@ -366,11 +364,26 @@ class X3dClassicReader {
       if (token.text.empty()) throw unexpected(token, "']'");
   }
 
-  void skip_value() {
-    if (peek().is("["))
-      skip_list();
-    else
-      skip_plain_value();
+  void declare_elsewhere() {
+    const size_t offset = take().offset;
+    const std::string name = take_name("a name");
+    skip_list();
+    std::vector<std::string> urls;
+    const auto add = [&](const Token& token) {
+      if (token.is_string()) urls.push_back(inside(token));
+    };
+    if (!peek().is("[")) {
+      add(skip_plain_value());
+    } else {
+      take();
+      for (Token token = take(); !token.is("]"); token = take()) {
+        if (token.text.empty()) throw unexpected(token, "']'");
+        add(token);
+      }
+    }
+    if (tree_.declare_elsewhere(name, urls, offset)) return;
+    tree_.add("ExternProtoDeclare", offset, 0);
+    elsewhere_.insert(name);
   }
 
   void declare(int depth) {
@@ -403,8 +416,9 @@ class X3dClassicReader {
   bool peeked_ = false;
 };
 
-X3dDocument X3dDocument::parse_classic(std::string_view text, const std::string& name) {
-  return X3dClassicReader(text, name).read();
+X3dDocument X3dDocument::parse_classic(std::string_view text, const std::string& name,
+                                       const X3dPrototypeFinder& find) {
+  return X3dClassicReader(text, name, find).read();
 }
 
 }  // namespace tessera

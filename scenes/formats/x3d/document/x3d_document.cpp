@@ -22,7 +22,8 @@ const X3dNode* X3dNode::child(std::string_view container) const {
   return at == children.rend() ? nullptr : at->node;
 }
 
-X3dDocument X3dDocument::parse(std::string_view bytes, const std::string& name) {
+X3dDocument X3dDocument::parse(std::string_view bytes, const std::string& name,
+                               const X3dPrototypeFinder& find) {
   std::string plain;
   if (is_gzip(bytes)) {
     plain = gunzip(bytes, kMaxBytes, name);
@@ -31,8 +32,8 @@ X3dDocument X3dDocument::parse(std::string_view bytes, const std::string& name) 
   refuse_wide_text(bytes, name);
   const std::string text = to_utf8(skip_byte_order_mark(bytes));
   const size_t start = text.find_first_not_of(" \t\r\n");
-  if (start != std::string::npos && text[start] == '<') return parse_xml(text, name);
-  return parse_classic(text, name);
+  if (start != std::string::npos && text[start] == '<') return parse_xml(text, name, find);
+  return parse_classic(text, name, find);
 }
 
 SourcePlace X3dDocument::place(size_t offset) const {

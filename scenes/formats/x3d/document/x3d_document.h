@@ -1,7 +1,9 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,6 +37,9 @@ struct X3dNode {
   std::vector<Child> children;
   std::vector<Is> is;  ///< empty outside of prototypes
   size_t offset = 0;
+  /// The file that a prototype of another file is in, as X3dPrototype has it, for what URLs mean:
+  /// `offset` and those of the fields are then the instance's. Null: the document's own file.
+  const std::string* file = nullptr;
   std::optional<size_t> instance{};  ///< of the prototype that it came of: where that stands
   int uses = 1;                      ///< the places where it stands
   int height = 1;                    ///< levels of nodes from here down
@@ -43,6 +48,15 @@ struct X3dNode {
   /// The last child in that field, or null.
   const X3dNode* child(std::string_view container) const;
 };
+
+struct X3dPrototype;
+/// The prototypes of a file that stand in no other.
+struct X3dPrototypes;
+
+/// Finds the prototype that the URLs of an EXTERNPROTO name. It outlives the document that asks, in
+/// which strings stand in quotes or not. Null, and `reason`, where there is none.
+using X3dPrototypeFinder = std::function<const X3dPrototype*(
+    const std::vector<std::string>& urls, bool quotes_strings, std::string& reason)>;
 
 /// The nodes of a file in whatever encoding, with DEF, USE and prototypes resolved. The graph has
 /// no cycle.
@@ -53,8 +67,10 @@ class X3dDocument {
   static constexpr size_t kMaxBytes = size_t{512} << 20;
 
   /// Reads what a file holds, of any of the three encodings, by its first bytes; gzipped or not.
-  /// `name` is what errors call it. Nothing else is ever opened. Throws scene_error.
-  static X3dDocument parse(std::string_view bytes, const std::string& name);
+  /// `name` is what errors call it. Nothing else is ever opened, but by `find`; without it the
+  /// prototypes of other files are ignored. Throws scene_error.
+  static X3dDocument parse(std::string_view bytes, const std::string& name,
+                           const X3dPrototypeFinder& find = {});
 
   X3dDocument(X3dDocument&&) = default;
   X3dDocument& operator=(X3dDocument&&) = default;
@@ -62,6 +78,8 @@ class X3dDocument {
   const X3dNode& scene() const { return *scene_; }
   /// Every node once, in the order of the file; those of prototypes where they are instantiated.
   const std::deque<X3dNode>& nodes() const { return nodes_; }
+  /// Of all, those of prototypes too.
+  size_t node_count() const { return nodes_.size() + templates_.size(); }
   /// 10 * major + minor: 20 (VRML97), 30 to 41; 33 where the file does not say.
   int version() const { return version_; }
   /// Whether strings stand in quotes: not in XML, where only lists of them do.
@@ -77,6 +95,10 @@ class X3dDocument {
     std::string expected{}, taken{};  ///< of what breaks a rule, as of Warnings::repair()
   };
   const std::vector<Remark>& remarks() const { return remarks_; }
+  const X3dPrototypes& prototypes() const { return *prototypes_; }
+  /// Says of all prototypes of this file that they are in the one of that name, which outlives
+  /// them.
+  void set_file_of_prototypes(const std::string* file);
   const std::string& name() const { return name_; }
 
   SourcePlace place(size_t offset) const;
@@ -90,8 +112,10 @@ class X3dDocument {
   X3dDocument(std::string_view text, const std::string& name, bool quotes_strings)
       : name_(name), source_(text), text_(text), quotes_strings_(quotes_strings) {}
 
-  static X3dDocument parse_xml(std::string_view text, const std::string& name);
-  static X3dDocument parse_classic(std::string_view text, const std::string& name);
+  static X3dDocument parse_xml(std::string_view text, const std::string& name,
+                               const X3dPrototypeFinder& find);
+  static X3dDocument parse_classic(std::string_view text, const std::string& name,
+                                   const X3dPrototypeFinder& find);
 
   std::string name_;
   std::string source_;  ///< the text as it came, for places
@@ -104,6 +128,7 @@ class X3dDocument {
   double metres_per_unit_ = 1, radians_per_unit_ = 1;
   std::map<std::string, std::string> metadata_;
   std::vector<Remark> remarks_;
+  std::shared_ptr<X3dPrototypes> prototypes_;
 };
 
 /// "Sphere 'S'" or "a Sphere".

@@ -130,9 +130,40 @@ void X3dTree::begin_prototype() { scopes_.emplace_back(); }
 void X3dTree::end_prototype() { scopes_.pop_back(); }
 
 void X3dTree::declare(const std::string& name, X3dPrototype prototype) {
+  if (scopes_.size() == 1 && first_prototype_.empty()) first_prototype_ = name;
   X3dPrototype& declared = scopes_.back().prototypes[name];
   declared = std::move(prototype);
   declared.defaults.emplace(declared.interface_node);
+}
+
+bool X3dTree::declare_elsewhere(const std::string& name, const std::vector<std::string>& urls,
+                                size_t offset) {
+  if (!find_) return false;
+  std::string reason;
+  const X3dPrototype* const found = find_(urls, document_.quotes_strings(), reason);
+  if (!found) {
+    document_.remarks_.push_back(
+        {offset, fmt::format("the prototype '{}' is left out: {}", name, reason)});
+    return false;
+  }
+  // Declared again, its name is not that of a prototype of this file.
+  scopes_.back().prototypes.erase(name);
+  X3dPrototype& declared = scopes_.back().prototypes[name];
+  declared.interface_node = found->interface_node;
+  declared.body = found->body;
+  declared.file = found->file;
+  declared.defaults.emplace(declared.interface_node);
+  return true;
+}
+
+void X3dDocument::set_file_of_prototypes(const std::string* file) {
+  for (auto& [name, prototype] : prototypes_->by_name)
+    if (!prototype.file) prototype.file = file;
+}
+
+void X3dTree::end() {
+  document_.prototypes_ = std::make_shared<X3dPrototypes>(
+      X3dPrototypes{std::move(scopes_.front().prototypes), std::move(first_prototype_)});
 }
 
 const X3dPrototype* X3dTree::prototype(const std::string& name) const {
@@ -170,14 +201,18 @@ X3dNode* X3dTree::copy(const X3dNode& from, Copying& copying) {
     ++known->second->uses;
     return known->second;
   }
-  X3dNode& node = place(from.offset);
+  const X3dPrototype& prototype = copying.prototype;
+  X3dNode& node = place(prototype.file ? copying.offset : from.offset);
   known->second = &node;
+  node.file = from.file ? from.file : prototype.file;
   size_t bytes = 0;
   for (const X3dField& field : from.fields) bytes += field.text.size();
   count_copy(copying.offset, bytes);
   node.type = from.type;
   node.def = from.def;
   node.fields = from.fields;
+  if (prototype.file)
+    for (X3dField& field : node.fields) field.offset = copying.offset;
   for (const X3dNode::Child& child : from.children)
     add_child(node, child.container, copy(*child.node, copying));
   for (const X3dNode::Is& is : from.is) fill(node, is, copying);
@@ -185,21 +220,23 @@ X3dNode* X3dTree::copy(const X3dNode& from, Copying& copying) {
 }
 
 /// Gives a field what the instance says, else what the interface does.
-void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying) {
-  for (const X3dGiven* source : {&copying.given, &*copying.prototype.defaults}) {
+void X3dTree::fill(X3dNode& node, const X3dNode::Is& is, Copying& copying) {
+  const X3dGiven& given = copying.given;
+  for (const X3dGiven* source : {&given, &*copying.prototype.defaults}) {
+    const bool is_elsewhere = copying.prototype.file && source != &given;
     if (const X3dNode::Is* passed_on = source->passed_on(is.interface_field)) {
       node.is.push_back({is.field, passed_on->interface_field});
       return;
     }
     if (const X3dField* field = source->field(is.interface_field)) {
-      node.fields.push_back({is.field, field->text, field->offset});
+      node.fields.push_back({is.field, field->text, is_elsewhere ? copying.offset : field->offset});
       return;
     }
     const std::vector<X3dNode*>& children = source->children(is.interface_field);
     for (X3dNode* child : children) {
       count_copy(copying.offset, 0);
-      ++child->uses;
-      add_child(node, is.field, child);
+      if (!is_elsewhere) ++child->uses;
+      add_child(node, is.field, is_elsewhere ? copy(*child, copying) : child);
     }
     if (!children.empty()) return;
   }

@@ -30,7 +30,13 @@ class X3dGiven {
 struct X3dPrototype {
   X3dNode interface_node;              ///< its fields and children are the defaults
   X3dNode* body = nullptr;             ///< the first node, which an instance becomes; may be null
+  const std::string* file = nullptr;   ///< as X3dNode has it; null: of the document's own file
   std::optional<X3dGiven> defaults{};  ///< of interface_node; the tree sets it
+};
+
+struct X3dPrototypes {
+  std::map<std::string, X3dPrototype> by_name;
+  std::string first;  ///< the name of the one that stands first; empty: there is none
 };
 
 /// What the readers of all encodings build a document's nodes with: names, prototypes and limits.
@@ -42,7 +48,10 @@ class X3dTree {
   /// their number.
   static constexpr size_t kMaxSearched = 100;
 
-  explicit X3dTree(X3dDocument& document) : document_(document) { scopes_.emplace_back(); }
+  X3dTree(X3dDocument& document, const X3dPrototypeFinder& find)
+      : document_(document), find_(find) {
+    scopes_.emplace_back();
+  }
 
   /// Throws where something is written at too many levels below the scene.
   void check_depth(size_t offset, int depth) const;
@@ -63,6 +72,12 @@ class X3dTree {
   void begin_prototype();
   void end_prototype();
   void declare(const std::string& name, X3dPrototype prototype);
+  /// Declares what is in another file. False, which is told where files may be read, where it
+  /// cannot be found.
+  bool declare_elsewhere(const std::string& name, const std::vector<std::string>& urls,
+                         size_t offset);
+  /// Gives the document its prototypes, when all is read.
+  void end();
   /// The prototype of that name, or null. Stays where it is.
   const X3dPrototype* prototype(const std::string& name) const;
   /// A copy of the prototype's body with the fields and children of `given` in place of its own.
@@ -89,9 +104,11 @@ class X3dTree {
   X3dNode& place(size_t offset);
   void count_copy(size_t offset, size_t bytes);
   X3dNode* copy(const X3dNode& from, Copying& copying);
-  void fill(X3dNode& node, const X3dNode::Is& is, const Copying& copying);
+  void fill(X3dNode& node, const X3dNode::Is& is, Copying& copying);
 
   X3dDocument& document_;
+  const X3dPrototypeFinder& find_;
+  std::string first_prototype_;  ///< outside of others
   std::vector<Scope> scopes_;
   std::set<const X3dNode*> open_;
   int ignored_ = 0;  ///< nodes around what is read now that are left out whole

@@ -65,6 +65,14 @@ void X3dValues::spend(size_t bytes, size_t offset) const {
                                       kMaxReadBytes >> 20, kMaxReadTimes));
 }
 
+void X3dValues::tell_remarks() const {
+  for (const X3dDocument::Remark& remark : document_.remarks())
+    if (remark.taken.empty())
+      warn(remark.offset, remark.text);
+    else
+      repair(remark.offset, remark.text, remark.expected, remark.taken);
+}
+
 void X3dValues::repair(const X3dNode& node, std::string_view name, std::string_view expected,
                        std::string_view taken) const {
   const X3dField& field = *node.field(name);

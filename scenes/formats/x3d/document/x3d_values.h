@@ -29,6 +29,9 @@ class X3dValues {
   X3dValues(const X3dDocument& document, Warnings& warnings)
       : document_(document), warnings_(warnings) {}
 
+  /// Tells what was met when the document was read.
+  void tell_remarks() const;
+
   bool boolean(const X3dNode& node, std::string_view name, bool otherwise) const;
   double number(const X3dNode& node, std::string_view name, double otherwise) const;
   /// In radians, whatever the file's unit.

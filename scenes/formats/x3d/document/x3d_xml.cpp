@@ -15,8 +15,8 @@ namespace tessera {
 /// Turns elements into nodes. pugixml opens no file, expands no entity and skips the DOCTYPE.
 class X3dXmlReader {
  public:
-  X3dXmlReader(std::string_view text, const std::string& name)
-      : document_(text, name, false), tree_(document_) {}
+  X3dXmlReader(std::string_view text, const std::string& name, const X3dPrototypeFinder& find)
+      : document_(text, name, false), tree_(document_, find) {}
 
   X3dDocument read() {
     std::string& text = document_.text_;
@@ -42,6 +42,7 @@ class X3dXmlReader {
     tell_of_unread(root, {"head", "Scene"}, {}, "one head and one Scene in X3D");
     read_head(root.child("head"));
     document_.scene_ = element(scene, 0);
+    tree_.end();
     return std::move(document_);
   }
 
@@ -141,6 +142,8 @@ class X3dXmlReader {
         add_connections(node, child);
       else if (name == "ProtoDeclare")
         declare(child, depth + 1);
+      else if (name == "ExternProtoDeclare" && declare_elsewhere(child))
+        continue;
       else
         add_child(node, child, depth);
     }
@@ -210,6 +213,18 @@ class X3dXmlReader {
     tree_.declare(xml.attribute("name").value(), std::move(made));
   }
 
+  bool declare_elsewhere(const pugi::xml_node& xml) {
+    const std::string_view text = xml.attribute("url").value();
+    std::vector<std::string> urls;
+    for (size_t at = text.find('"'); at != text.npos;) {
+      const size_t end = text.find('"', at + 1);
+      urls.emplace_back(text.substr(at + 1, end == text.npos ? text.npos : end - at - 1));
+      at = end == text.npos ? end : text.find('"', end + 1);
+    }
+    if (urls.empty() && !text.empty()) urls.emplace_back(text);
+    return tree_.declare_elsewhere(xml.attribute("name").value(), urls, offset(xml));
+  }
+
   X3dNode* instance(const pugi::xml_node& xml, int depth) {
     const X3dPrototype* prototype = tree_.prototype(xml.attribute("name").value());
     if (!prototype) return element(xml, depth);
@@ -230,8 +245,9 @@ class X3dXmlReader {
   pugi::xml_document xml_;
 };
 
-X3dDocument X3dDocument::parse_xml(std::string_view text, const std::string& name) {
-  return X3dXmlReader(text, name).read();
+X3dDocument X3dDocument::parse_xml(std::string_view text, const std::string& name,
+                                   const X3dPrototypeFinder& find) {
+  return X3dXmlReader(text, name, find).read();
 }
 
 }  // namespace tessera

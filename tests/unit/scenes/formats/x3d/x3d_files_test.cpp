@@ -275,6 +275,93 @@ TEST_F(X3dFilesTest, TheFirstPictureThatCanBeDecodedIsTaken) {
   EXPECT_EQ(read("\"none.png\" \"good.png\"", true).warnings.size(), 0u);
 }
 
+/// A ball of one's own colour, with a picture beside its file, and something that is not asked for.
+constexpr const char* kBallFile =
+    "PROTO Other [ ] { Group { } }\n"
+    "PROTO Ball [ inputOutput SFColor color 1 0 0 inputOutput SFNode look Appearance { texture "
+    "ImageTexture { url \"good.png\" } } ] { Group { children [ Shape { appearance Appearance { "
+    "material Material { diffuseColor IS color } } geometry DEF S Sphere { radius 1x } } Shape { "
+    "appearance IS look geometry USE S } ] } } Shape { geometry Box { } }";
+
+TEST_F(X3dFilesTest, PrototypesOfOtherFilesAreReadFromThem) {
+  std::ofstream(folder_ / "parts/good.png") << "good";
+  write("parts/ball.x3dv", kBallFile);
+  const LoadedScene loaded = read_scene(
+      write("main.x3dv",
+            "EXTERNPROTO Ball [ inputOutput SFColor color ] [ \"none.x3dv#Ball\" "
+            "\"parts/ball.x3dv#Ball\" ]\n"
+            "Ball { color 0 0 1 }\nDEF B Ball { } EXTERNPROTO First [ ] \"parts/ball.x3dv\" "
+            "First { }"),
+      picky_decoders());
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("main.x3dv:3:1: radius of Sphere: '1x'; expected a number"),
+            std::string::npos)
+      << loaded.warnings[0];
+  ASSERT_EQ(loaded.scene.nodes_size(), 3);
+  EXPECT_EQ(loaded.scene.nodes(1).name(), "B");
+  EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().b(), 1);
+  ASSERT_EQ(loaded.scene.nodes(1).children_size(), 2);
+  EXPECT_TRUE(loaded.scene.nodes(1).children(0).shape().has_sphere());
+  ASSERT_GE(loaded.scene.textures_size(), 1);
+  EXPECT_EQ(loaded.scene.textures(0).image().width(), 1u) << "from the folder of the prototype";
+  EXPECT_EQ(loaded.scene.nodes(2).children_size(), 0) << "of no name: the first one";
+}
+
+TEST_F(X3dFilesTest, PrototypesOfOtherFilesAreTheSameInXml) {
+  std::ofstream(folder_ / "ball.x3d")
+      << "<X3D version='3.3'><Scene><ProtoDeclare name='Ball'><ProtoInterface><field name='size' "
+         "accessType='inputOutput' type='SFFloat' value='2'/></ProtoInterface><ProtoBody><Shape>"
+         "<Sphere><IS><connect nodeField='radius' protoField='size'/></IS></Sphere></Shape>"
+         "</ProtoBody></ProtoDeclare></Scene></X3D>";
+  std::ofstream(folder_ / "main.x3d")
+      << "<X3D version='3.3'><Scene><ExternProtoDeclare name='B' url='\"none.x3d\" "
+         "\"ball.x3d#Ball\"'/><ProtoInstance name='B'/><ProtoInstance name='B'><fieldValue "
+         "name='size' value='4'/></ProtoInstance></Scene></X3D>";
+  const LoadedScene loaded = read_x3d((folder_ / "main.x3d").string(), {});
+  EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+  ASSERT_EQ(loaded.scene.nodes_size(), 2);
+  EXPECT_EQ(loaded.scene.nodes(0).shape().sphere().radius(), 2);
+  EXPECT_EQ(loaded.scene.nodes(1).shape().sphere().radius(), 4);
+}
+
+TEST_F(X3dFilesTest, PrototypesThatCannotBeReadAreTold) {
+  fs::create_directories(outside_ / "library");
+  std::ofstream(outside_ / "library/ball.x3dv") << "#X3D V3.3 utf8\n" << kBallFile;
+  write("ball.x3dv", kBallFile);
+  write("loop.x3dv", "EXTERNPROTO P [ ] \"loop.x3dv#P\" PROTO Q [ ] { P { } }");
+  write("broken.x3dv", "PROTO Q [ ] { Group { children [ ");
+  std::ofstream(folder_ / "ball.x3d") << "<X3D><Scene/></X3D>";
+  const auto told = [&](const std::string& url) {
+    const LoadedScene loaded = read_x3d(
+        write("main.x3dv", "EXTERNPROTO P [ ] \"" + url + "\" P { } Shape { geometry Box { } }"),
+        {});
+    EXPECT_EQ(loaded.scene.nodes_size(), 1) << url;
+    std::string all;
+    for (const std::string& warning : loaded.warnings) all += warning + "\n";
+    return all;
+  };
+  const auto expect_told = [&](const std::string& url, const std::string& part) {
+    const std::string all = told(url);
+    EXPECT_NE(all.find(part), std::string::npos) << all;
+  };
+  const std::string start = "main.x3dv:2:1: the prototype 'P' is left out: '";
+  expect_told("none.x3dv#P", start + "none.x3dv#P': there is no such file");
+  expect_told("ball.x3dv#Bll", "the file has no prototype 'Bll'");
+  expect_told("main.x3dv#P", "it is a part of that file");
+  expect_told("loop.x3dv#P", "loop.x3dv#P': it is a part of that file");
+  expect_told("broken.x3dv#Q", "broken.x3dv:2:");
+  expect_told("ball.x3d", "strings are written otherwise there");
+  expect_told("http://example.org/a.x3dv#P", "nothing from the network");
+  expect_told("../library/ball.x3dv#Ball",
+              "--assets '" + fs::canonical(outside_).string() + "' would hold it");
+  ReadOptions wider;
+  wider.assets = outside_.string();
+  const LoadedScene read =
+      read_x3d(write("main.x3dv", "EXTERNPROTO P [ ] \"../library/ball.x3dv#Ball\" P { }"), wider);
+  ASSERT_EQ(read.scene.nodes_size(), 1);
+  EXPECT_EQ(read.scene.nodes(0).children_size(), 2);
+}
+
 TEST_F(X3dFilesTest, PicturesMayStandInTheUrl) {
   const auto read = [&](const std::string& url) {
     return read_scene(write("main.x3dv",
