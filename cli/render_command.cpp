@@ -314,7 +314,8 @@ class RenderRun {
   /// What the picture shows to be odd in the scene.
   void say_warnings(const FrameRender& rendered, const RenderedPicture& picture,
                     std::optional<int> frame) {
-    for (const std::string& warning : report_warnings(picture.report, options_.scene))
+    for (const std::string& warning :
+         report_warnings(picture.report, options_.scene, has_strokes_alone(scene_.loaded.scene)))
       warnings_.say(warning, frame);
     const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     for (const std::string& warning :

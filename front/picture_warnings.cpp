@@ -196,7 +196,19 @@ std::vector<std::string> located_mesh_warnings(const CounterMap& counters,
   return warnings;
 }
 
-std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene) {
+bool has_strokes_alone(const v1::Scene& scene) {
+  bool has_shapes = false;
+  const bool has_others = any_message(scene, [&](const pb::Message& message) {
+    const auto* node = dynamic_cast<const v1::Node*>(&message);
+    if (!node || !node->has_shape()) return false;
+    has_shapes = true;
+    return !node->casts_no_shadow();
+  });
+  return has_shapes && !has_others;
+}
+
+std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene,
+                                         bool is_of_strokes) {
   const auto count = [](const CounterMap& counters, const char* name) {
     const auto at = counters.find(name);
     return at == counters.end() ? 0 : at->second;
@@ -214,7 +226,10 @@ std::vector<std::string> report_warnings(const JobReport& report, const std::str
     const bool has_surfaces = count(report.build_counters, "instances") > 0;
     warnings.push_back(
         fmt::format("no ray meets a surface, so that only the background is seen; expected {}",
-                    has_surfaces ? "a camera that looks at what there is, as with --frame-all"
+                    has_surfaces && is_of_strokes
+                        ? "a larger --size or more --spp, as points and lines may be thinner than "
+                          "a pixel, or a camera that looks at them"
+                    : has_surfaces ? "a camera that looks at what there is, as with --frame-all"
                     : count(report.build_counters, "nodes_hidden") > 0 ? "nodes that are not hidden"
                                                                        : "nodes with shapes"));
   }

@@ -20,7 +20,11 @@ std::vector<std::string> picture_warnings(const RenderOptions& options, const Lo
 std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);
 /// What of a picture that was traced is hardly what was meant: what its scene leaves out, samples
 /// that were no colour, or nothing but the background. `scene`: its file; empty: not known.
-std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene = {});
+/// `is_of_strokes`: has_strokes_alone() of the scene, where it is known.
+std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene = {},
+                                         bool is_of_strokes = false);
+/// Whether all shapes are drawn points and lines, which importers let cast no shadow.
+bool has_strokes_alone(const v1::Scene& scene);
 /// As mesh_warnings() of what was built of that file.
 std::vector<std::string> located_mesh_warnings(const CounterMap& counters,
                                                const std::string& scene);
