@@ -256,6 +256,22 @@ class BadScenes(TesseraTest):
             self.assert_error(result, 2, name)
             self.assertNotIn("/proc", result.err)
 
+    def test_strictly_read_what_would_be_mended(self):
+        scene = self.write("odd.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 nan\nf 1//1 2//1 3//1\n")
+        lax = self.run_program("info", scene)
+        self.assertEqual(0, lax.code, lax.err)
+        self.assertIn("odd.obj:5:8: 'nan'", lax.out)
+        for command in (["info", scene], ["convert", scene, "out.tessera"], ["submit", scene],
+                        ["render", scene, "--size", "9x9", "--workers", "0"]):
+            result = self.run_program(*command, "--strict")
+            self.assertEqual(1, result.code, result.err)
+            for fault in ("odd.obj:1:8: material library 'none.mtl' is not there",
+                          "odd.obj:5:8: 'nan'; expected a normal's component"):
+                self.assertIn(fault, result.err)
+            self.assertNotIn("warning", result.err)
+        self.assertEqual(0, self.run_program("info", self.write("good.tessera", "nodes { shape { sphere { } } }"),
+                                             "--strict").code)
+
     def test_not_finite(self):
         self.refused("scene.tessera", "nodes { shape { sphere { radius: nan } } }\n")
         self.refused("big.tessera", "nodes { shape { sphere { radius: 1e999 } } }\n")
