@@ -82,6 +82,14 @@ TEST(PictureLight, light_too_large_for_floats_is_mended) {
   EXPECT_EQ(numbers(picture), (std::vector<float>{65504, 1}));
 }
 
+TEST(PictureLight, what_is_wrong_with_a_file_is_told) {
+  DecodedTexture picture = texture<float>(1, 1, {1});
+  picture.damage = "Premature end of JPEG file";
+  EXPECT_EQ(prepare_picture(picture, SampleEncoding::linear),
+            std::vector<std::string>{
+                "it is damaged, and read as far as it goes: Premature end of JPEG file"});
+}
+
 TEST(PictureLight, numbers_that_are_not_finite_are_mended_with_their_place) {
   constexpr float kEndless = std::numeric_limits<float>::infinity();
   DecodedTexture picture =
