@@ -231,8 +231,8 @@ def test_what_cannot_be_assigned_to(name, told):
 
 
 def test_load_has_the_options_of_reading(tessera):
-    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|environment|place|two-sided|up)\b", tessera("help", "render")))
-    keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "strict", "unknown"}
+    of_files = set(re.findall(r"--(x3d-[a-z-]+|assets|environment|place|strict|two-sided|up)\b", tessera("help", "render")))
+    keywords = set(inspect.signature(ts.load).parameters) - {"path", "frame", "unknown"}
     assert keywords == {name.replace("-", "_") for name in of_files}
     for name in keywords - {"place"}:
         with pytest.raises(ts.Error, match=f"^{name}: "):
