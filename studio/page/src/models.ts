@@ -2,8 +2,8 @@
 
 import { effect, signal } from "@preact/signals";
 import { isModel } from "./core/entities.js";
-import type { Entity, EntityId, FileEntry, Placement } from "./core/protocol.js";
-import { folderOf } from "./core/paths.js";
+import type { Entity, EntityId, FileEntry, Placement, Problem } from "./core/protocol.js";
+import { folderOf, isCompanion, relativeName, resolvedName } from "./core/paths.js";
 import { placeLive, selected } from "./entities.js";
 import { ask } from "./questions.js";
 import * as state from "./state.js";
@@ -22,23 +22,48 @@ export interface ModelWish {
 /** What the dialog of models is about. */
 export const wished = signal<ModelWish | undefined>(undefined);
 
-/** Those files in the scene's own folder or below it, by their names from there. */
-function filesBeside(scene: string, fits: (file: FileEntry) => boolean): string[] {
+/** Those files of the opened folder as the scene names them: first the ones in the scene's own folder or below it. */
+function filesFor(scene: string, fits: (file: FileEntry) => boolean): string[] {
   const folder = folderOf(scene);
-  return state.files.value.filter((each) => each.name.startsWith(folder) && fits(each)).map((each) => each.name.slice(folder.length));
+  const names = state.files.value.filter(fits).map((each) => relativeName(folder, each.name));
+  const isOutside = (name: string) => name.startsWith("../");
+  return [...names.filter((each) => !isOutside(each)), ...names.filter(isOutside)];
 }
 
 export function canBePlaced({ name, kind }: FileEntry): boolean {
-  return (kind === "model" || kind === "scene") && !/\.mtl$/i.test(name);
+  return (kind === "model" || kind === "scene") && !isCompanion(name);
 }
 
 /** Files that the scene can place. */
 export function candidates(scene: string): string[] {
-  return filesBeside(scene, (file) => canBePlaced(file) && file.name !== scene);
+  return filesFor(scene, (file) => canBePlaced(file) && file.name !== scene);
 }
 
 export function picturesFor(scene: string): string[] {
-  return filesBeside(scene, ({ kind }) => kind === "picture");
+  return filesFor(scene, ({ kind }) => kind === "picture");
+}
+
+/** Whether the text names that file for the entity, and the program found no error within what the text says of it. */
+function isRead(scene: string, id: EntityId | undefined, name: string): boolean {
+  const entity = state.outlines.value.get(scene)?.entities.find((each) => each.id === id);
+  if (entity?.target !== name) return false;
+  const { line, column, end_line: endLine, end_column: endColumn } = entity;
+  const isWithin = (problem: Problem) =>
+    (problem.line > line || (problem.line === line && problem.column >= column)) &&
+    (problem.line < endLine || (problem.line === endLine && problem.column <= endColumn));
+  const all = [...state.knownProblems.value.values()].flatMap(({ list }) => list);
+  return !all.some((each) => each.severity === "error" && each.file === scene && isWithin(each));
+}
+
+/** What is wrong with the name of a model's file; nothing where it is one of the opened folder that can be placed, or the
+    one that the text names and that the program reads, as from the folder of `--assets`. */
+export function faultOfFile(name: string, { file: scene, entity, locked }: ModelWish): string | undefined {
+  if (locked !== undefined) return undefined;
+  const meant = resolvedName(folderOf(scene), name);
+  const isListed = meant !== scene && state.files.value.some((each) => each.name === meant && canBePlaced(each));
+  if (name !== "" && (isListed || isRead(scene, entity, name))) return undefined;
+  const found = name.trim() === "" ? "nothing" : `“${name}”, which is no such file`;
+  return `found ${found}; expected a model or a scene in the opened folder`;
 }
 
 async function wishOf(file: string, entity: Entity | undefined): Promise<ModelWish | undefined> {

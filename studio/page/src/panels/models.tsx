@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { isModel, titleOf } from "../core/entities.js";
-import { baseName, folderOf } from "../core/paths.js";
+import { baseName, folderOf, resolvedName } from "../core/paths.js";
 import type { Entity } from "../core/protocol.js";
 import * as program from "../program.js";
 import { duplicate, remove, select } from "../entities.js";
@@ -36,7 +36,7 @@ function Orders({ chosen }: { chosen: Entity | undefined }) {
         type="button"
         disabled={adding.value === ""}
         title="A new scene, untitled, that places the model"
-        onClick={take((name) => program.send("create", { model: folderOf(file) + name }))}
+        onClick={take((name) => program.send("create", { model: resolvedName(folderOf(file), name) ?? name }))}
       >
         New scene
       </button>

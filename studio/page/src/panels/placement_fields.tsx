@@ -1,6 +1,6 @@
 import { useId, useState } from "preact/hooks";
 import type { Placement } from "../core/protocol.js";
-import { candidates, type ModelWish } from "../models.js";
+import { candidates, faultOfFile, type ModelWish } from "../models.js";
 import { NumberField } from "./number_field.js";
 
 const AXES = ["x", "y", "z"] as const;
@@ -36,18 +36,14 @@ function TripleField({ label, unit, value, positive, disabled, begin, set }: Tri
   );
 }
 
-/** What is wrong with the name of a file; nothing where it is one of those that can be placed. */
-function faultOfFile(name: string, known: readonly string[]): string | undefined {
-  if (known.includes(name)) return undefined;
-  const found = name.trim() === "" ? "nothing" : `“${name}”, which is no such file`;
-  return `found ${found}; expected a model or a scene in the folder of this one`;
-}
-
 /** A name that is none of a file that can be placed is not set. */
-function FileField({ text, known, disabled, begin, set }: { text: string; known: readonly string[]; disabled: boolean; begin: (() => void) | undefined; set: (file: string) => void }) {
+function FileField({ wish, begin, set }: { wish: ModelWish; begin: (() => void) | undefined; set: (file: string) => void }) {
   const [draft, setDraft] = useState<string | undefined>(undefined);
   const id = useId();
-  const fault = faultOfFile(draft ?? text, known);
+  const { file: text } = wish.placement;
+  const known = candidates(wish.file);
+  const disabled = wish.locked !== undefined;
+  const fault = faultOfFile(draft ?? text, wish);
   return (
     <label class={`field ${fault ? "wrong" : ""}`}>
       <span>File</span>
@@ -57,7 +53,7 @@ function FileField({ text, known, disabled, begin, set }: { text: string; known:
         onFocus={begin}
         onInput={({ currentTarget: { value } }) => {
           setDraft(value);
-          if (faultOfFile(value, known) === undefined) set(value);
+          if (faultOfFile(value, wish) === undefined) set(value);
         }}
         onBlur={() => fault === undefined && setDraft(undefined)}
       />
@@ -88,7 +84,7 @@ export function PlacementFields({ wish, begin, set: setAll }: PlacementProps) {
   return (
     <>
       <div class="fields">
-        <FileField text={placement.file} known={candidates(wish.file)} disabled={isLocked} begin={begin} set={(file) => set({ file })} />
+        <FileField wish={wish} begin={begin} set={(file) => set({ file })} />
         <TripleField label="Position" value={placement.position} disabled={isLocked} begin={begin} set={(position) => set({ position })} />
         <TripleField label="Rotation" unit="°" value={placement.rotation} disabled={isLocked} begin={begin} set={(rotation) => set({ rotation })} />
         {isUneven ? (
