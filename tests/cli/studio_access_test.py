@@ -127,6 +127,63 @@ class Keys(AccessTest):
         self.assertEqual(SCENE, page.script)
 
 
+    def test_a_key_of_the_view_is_replaced_and_removed(self):
+        page = self.begin()
+        self.open_keys(page, "frame the selection")
+        wait_until(lambda: page.has(".key-row kbd", "F in the view"), "its key is listed")
+        self.change(page, "w")
+        wait_until(lambda: page.has(".key-row .why", "which the command “Camera: move forward” has"), "it is refused")
+        page.press("i")
+        wait_until(lambda: page.has(".key-row kbd", "I in the view"), "it has the key")
+        page.press("Escape")
+        wait_until(lambda: not page.has("dialog"), "the dialog is closed")
+        self.open_keys(page, "exposure: half a stop more")
+        page.click_on(".key-row button", "None")
+        wait_until(lambda: not page.has(".key-row kbd"), "it has no key")
+        page.press("Escape")
+        wait_until(lambda: not page.has("dialog"), "the dialog is closed")
+        page.click_on(".view-frame")
+        page.press("f")
+        page.press("]")
+        page.press("[")
+        self.until(page, lambda state: state["view"]["exposure"] == -0.5, "one of two keys is left")
+        self.assertEqual("scene", page.state["camera"]["mode"], "the key that it had does nothing")
+        page.press("i")
+        self.until(page, lambda state: state["camera"]["mode"] == "free", "the new key runs it")
+
+
+class Small(AccessTest):
+    """A narrow window, and one at a zoom of 400 %."""
+    BUTTONS = "[...document.querySelectorAll('.view-bar button, .view-bar select')]"
+
+    def test_all_of_the_view_is_reached(self):
+        page = self.begin()
+        for width, height in ((320, 640), (320, 180)):
+            page.resize(width, height)
+            self.run_command(page, "Show View")
+            wait_until(lambda: page.has(".view-bar button", "Refresh"), "the view is shown")
+            for index in range(page.evaluate(f"{self.BUTTONS}.length")):
+                page.evaluate(f"{self.BUTTONS}[{index}].focus()")
+                page.evaluate(f"{self.BUTTONS}[{index}].scrollIntoView({{ block: 'nearest' }})")
+                left, top, right, bottom = page.evaluate(f"""(() => {{
+                    const box = {self.BUTTONS}[{index}].getBoundingClientRect();
+                    return [box.left, box.top, box.right, box.bottom];
+                  }})()""")
+                self.assertTrue(0 <= left < right <= width and 0 <= top < bottom <= height,
+                                (width, height, index, left, top, right, bottom))
+            self.assertGreaterEqual(page.evaluate("document.querySelector('.picture').clientHeight"), 120)
+            # What can be scrolled back by a person may stay scrolled.
+            stuck = page.evaluate("""[...document.querySelectorAll("*")].filter((each) =>
+                (each.scrollLeft !== 0 && !/auto|scroll/.test(getComputedStyle(each).overflowX) ||
+                 each.scrollTop !== 0 && !/auto|scroll/.test(getComputedStyle(each).overflowY))
+                && each !== document.scrollingElement).map((each) => each.className)""")
+            self.assertEqual([], stuck)
+            page.evaluate("scrollTo(0, 1e6)")
+            _, _, _, top, _, low = page.box(".status-bar")
+            self.assertLessEqual(top + low, height + 1, "the page scrolls to its end")
+            self.assertEqual(0, page.evaluate("scrollX"))
+
+
 class Themes(AccessTest):
     def test_the_theme_outlasts_the_page(self):
         page = self.begin()

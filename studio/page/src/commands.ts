@@ -7,7 +7,7 @@ import { startCompletion } from "@codemirror/autocomplete";
 import type { EditorView } from "@codemirror/view";
 import { computed, signal } from "@preact/signals";
 import { maximise, PANELS, zoneOf, type PanelName } from "./core/layout.js";
-import { keyMap, nameOfKey } from "./core/keys.js";
+import { keyMap, nameOfKey, withKeys } from "./core/keys.js";
 import * as documents from "./documents.js";
 import { chooseFiles } from "./drops.js";
 import { fixNearest } from "./editor/problem_marks.js";
@@ -32,7 +32,7 @@ export interface Command {
   run: () => void;
   /** Whether a text field with the focus does the same by the same keys to its own text. */
   inFields?: boolean;
-  /** Keys that it has as well while the picture has the focus. */
+  /** Keys that it has while the picture has the focus; such a command has no others. */
   inView?: readonly string[];
 }
 
@@ -178,7 +178,7 @@ const ALL: readonly Command[] = [...COMMANDS, ...VIEW_COMMANDS, ...PANELS.map((p
 /** All commands, with the keys that they have now. */
 export const commands = computed<readonly Command[]>(() => {
   const changed = state.changedKeys.value;
-  return ALL.map((each) => (Object.hasOwn(changed, each.name) ? { ...each, keys: changed[each.name]! } : each));
+  return ALL.map((each) => (Object.hasOwn(changed, each.name) ? withKeys(each, changed[each.name]!) : each));
 });
 
 /** The keys of a command, as a button tells them. */
@@ -204,12 +204,12 @@ const byKey = computed(() => keyMap(commands.value));
 /** Whose keys they are until they are changed. */
 const byOwnKey = keyMap(ALL);
 
-const byViewKey = keyMap(ALL.map(({ name, inView = [] }) => ({ name, keys: inView })));
+const byViewKey = computed(() => keyMap(commands.value.map(({ name, inView = [] }) => ({ name, keys: inView }))));
 
 /** Runs the command whose key it is while the picture has the focus; false where it is none's. */
 export function runInView(event: KeyboardEvent): boolean {
   const key = nameOfKey(event);
-  const name = key === undefined ? undefined : byViewKey.get(key);
+  const name = key === undefined ? undefined : byViewKey.value.get(key);
   ALL.find((each) => each.name === name)?.run();
   return name !== undefined;
 }

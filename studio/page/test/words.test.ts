@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { backoff } from "../src/core/backoff.js";
-import { keptKeys, keyMap, matching, nameOfKey, whyNotKey } from "../src/core/keys.js";
+import { keptKeys, keyMap, matching, nameOfKey, whyNotKey, withKeys } from "../src/core/keys.js";
 import { keptLook } from "../src/core/looks.js";
 import { isScene, isText, endingOf } from "../src/core/paths.js";
 import { decode, encode, type JobReport } from "../src/core/protocol.js";
@@ -109,3 +109,14 @@ test("what was kept of keys may be anything", () => {
   assert.deepEqual(keptKeys({ Save: ["Ctrl-S"], Undo: "Ctrl-Z", Redo: [1], Find: [] }), { Save: ["Ctrl-S"], Find: [] });
   for (const wrong of [undefined, null, 5, "Ctrl-S"]) assert.deepEqual(keptKeys(wrong), {});
 });
+test("commands of the view have keys without Ctrl and Alt, and no key twice", () => {
+  const all = [{ name: "Save", keys: ["Ctrl-S"] }, { name: "Forward", keys: [], inView: ["W"] }, { name: "Pause", keys: [], inView: ["Space"] }];
+  for (const key of ["I", "Shift-I", "Enter", "Left", "Ctrl-Left", "Ctrl-C", "W"]) assert.equal(whyNotKey(key, "Forward", all), undefined, key);
+  assert.ok(/found Space, which the command “Pause” has; expected another one$/.test(whyNotKey("Space", "Forward", all)!));
+  assert.ok(/which the command “Save” has/.test(whyNotKey("Ctrl-S", "Forward", all)!));
+  assert.ok(/the browser keeps/.test(whyNotKey("Ctrl-T", "Forward", all)!));
+  assert.ok(/which the command “Forward” has/.test(whyNotKey("Alt-W", "Save", [...all.slice(0, 1), { name: "Forward", keys: [], inView: ["Alt-W"] }])!));
+  assert.deepEqual(withKeys(all[1]!, ["I"]), { name: "Forward", keys: [], inView: ["I"] });
+  assert.deepEqual(withKeys(all[0]!, []), { name: "Save", keys: [] });
+});
+

@@ -35,15 +35,28 @@ const OF_BROWSERS = [
 ];
 /** Keys that every text has for itself. */
 const OF_TEXTS = ["Ctrl-A", "Ctrl-C", "Ctrl-V", "Ctrl-X", "Ctrl-Shift-V"];
-const EXPECTED = "expected another one with Ctrl or Alt, or one of F1 to F12";
 
-/** Why a key cannot be the command's, in words; nothing where it can. */
-export function whyNotKey(key: string, command: string, commands: readonly { name: string; keys: readonly string[] }[]): string | undefined {
-  if (OF_BROWSERS.includes(key)) return `found ${key}, which the browser keeps; ${EXPECTED}`;
-  if (OF_TEXTS.includes(key)) return `found ${key}, which text fields have; ${EXPECTED}`;
-  if (!/^(Ctrl-|Alt-|(Shift-)?F\d)/.test(key)) return `found ${key}, which types or moves; ${EXPECTED}`;
-  const owner = commands.find((each) => each.name !== command && each.keys.includes(key));
-  return owner && `found ${key}, which the command “${owner.name}” has; ${EXPECTED}`;
+interface KeyedCommand {
+  name: string;
+  keys: readonly string[];
+  /** Keys that it has while the picture has the focus. */
+  inView?: readonly string[];
+}
+
+/** Why a key cannot be the command's, in words; nothing where it can. Commands of the view take keys without Ctrl and Alt, too. */
+export function whyNotKey(key: string, command: string, commands: readonly KeyedCommand[]): string | undefined {
+  const isOfView = commands.some((each) => each.name === command && each.inView !== undefined);
+  const expected = isOfView ? "expected another one" : "expected another one with Ctrl or Alt, or one of F1 to F12";
+  if (OF_BROWSERS.includes(key)) return `found ${key}, which the browser keeps; ${expected}`;
+  if (!isOfView && OF_TEXTS.includes(key)) return `found ${key}, which text fields have; ${expected}`;
+  if (!isOfView && !/^(Ctrl-|Alt-|(Shift-)?F\d)/.test(key)) return `found ${key}, which types or moves; ${expected}`;
+  const owner = commands.find((each) => each.name !== command && [...each.keys, ...(each.inView ?? [])].includes(key));
+  return owner && `found ${key}, which the command “${owner.name}” has; ${expected}`;
+}
+
+/** The command with other keys: one of the view has them in the view. */
+export function withKeys<T extends KeyedCommand>(command: T, keys: readonly string[]): T {
+  return command.inView === undefined ? { ...command, keys } : { ...command, inView: keys };
 }
 
 /** The keys that were kept, of what may be anything. */

@@ -5,7 +5,8 @@ import * as state from "../state.js";
 import { Dialog } from "./dialog.js";
 
 function Row({ command }: { command: Command }) {
-  const { name, keys } = command;
+  const { name } = command;
+  const keys = command.inView ?? command.keys;
   const [waits, setWaits] = useState(false);
   const [why, setWhy] = useState<string | undefined>(undefined);
   const isChanged = Object.hasOwn(state.changedKeys.value, name);
@@ -28,7 +29,7 @@ function Row({ command }: { command: Command }) {
   return (
     <div class="key-row" role="group" aria-label={name}>
       <span class="name">{name}</span>
-      {keys.map((each) => <kbd key={each}>{each}</kbd>)}
+      {keys.map((each) => <kbd key={each}>{command.inView ? `${each} in the view` : each}</kbd>)}
       <button
         type="button"
         aria-pressed={waits}
