@@ -72,8 +72,10 @@ test("large numbers are short", () => {
 });
 
 test("of what was kept of looks, what makes no sense is left out", () => {
-  const choices = { channel: ["light", "depth"], integrator: ["path"] };
-  assert.deepEqual(keptLook({ channel: "depth", exposure: -10, integrator: "path" }, choices), { channel: "depth", exposure: -10, integrator: "path" });
+  const choices = { channel: ["light", "depth"], integrator: ["path"], "tone-map": ["filmic"], filter: ["gauss"] };
+  const look = { channel: "depth", exposure: -10, tone_map: "filmic", integrator: "path", filter: "gauss" };
+  assert.deepEqual(keptLook(look, choices), look);
+  assert.deepEqual(keptLook({ tone_map: "gauss", filter: "filmic" }, choices), {});
   assert.deepEqual(keptLook({ channel: "taste", exposure: 11, integrator: "" }, choices), {});
   assert.deepEqual(keptLook({ channel: ["depth"], exposure: null, integrator: 3 }, choices), {});
 });

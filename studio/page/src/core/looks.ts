@@ -2,10 +2,18 @@
 
 export const MOST_STOPS = 10;
 
+export interface KeptLook {
+  channel?: string;
+  exposure?: number;
+  tone_map?: string;
+  integrator?: string;
+  filter?: string;
+}
+
 /** Of what was kept, whoever wrote it, what makes sense; `choices`: the names that the program knows. */
-export function keptLook(kept: Record<string, unknown>, choices: Record<string, readonly string[]>): { channel?: string; exposure?: number; integrator?: string } {
+export function keptLook(kept: Record<string, unknown>, choices: Record<string, readonly string[]>): KeptLook {
   const { exposure } = kept;
   const isStops = typeof exposure === "number" && Math.abs(exposure) <= MOST_STOPS;
-  const named = (name: "channel" | "integrator") => (choices[name]?.includes(kept[name] as string) ? { [name]: kept[name] as string } : {});
-  return { ...named("channel"), ...(isStops ? { exposure } : {}), ...named("integrator") };
+  const named = (name: keyof KeptLook, option: string = name) => (choices[option]?.includes(kept[name] as string) ? { [name]: kept[name] as string } : {});
+  return { ...named("channel"), ...(isStops ? { exposure } : {}), ...named("tone_map", "tone-map"), ...named("integrator"), ...named("filter") };
 }

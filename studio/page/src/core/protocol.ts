@@ -178,7 +178,9 @@ export interface Settings {
   /** How the view is looked at. */
   channel?: string;
   exposure?: number;
+  tone_map?: string;
   integrator?: string;
+  filter?: string;
   layout?: unknown;
   keys?: unknown;
   [name: string]: unknown;

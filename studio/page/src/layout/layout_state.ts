@@ -70,10 +70,12 @@ export function takeSettings(settings: Settings): void {
   if (typeof settings.workers === "number") state.keptWorkers.value = settings.workers;
   if (typeof settings.nice === "number") state.keptNice.value = settings.nice;
   if (settings.mode) state.renderMode.value = settings.mode;
-  const { channel, exposure, integrator } = keptLook(settings, state.welcome.peek()?.choices ?? {});
+  const { channel, exposure, tone_map: toneMap, integrator, filter } = keptLook(settings, state.welcome.peek()?.choices ?? {});
   if (channel !== undefined) state.channel.value = channel;
   if (exposure !== undefined) state.tone.value = { ...state.tone.peek(), exposure };
+  if (toneMap !== undefined) state.tone.value = { ...state.tone.peek(), "tone-map": toneMap };
   if (integrator !== undefined) state.overrides.value = { ...state.overrides.peek(), integrator };
+  if (filter !== undefined) state.overrides.value = { ...state.overrides.peek(), filter };
   const panes = settings.panes as { count?: unknown; across?: unknown; down?: unknown } | undefined;
   const isShare = (value: unknown): value is number => typeof value === "number" && value > 0 && value < 1;
   if (state.PANE_COUNTS.some((count) => count === panes?.count)) state.paneCount.value = panes!.count as number;
@@ -96,7 +98,9 @@ function current(): Settings {
     mode: state.renderMode.value,
     channel: state.channel.value,
     exposure: state.tone.value?.exposure,
+    tone_map: state.tone.value?.["tone-map"],
     integrator: state.overrides.value.integrator,
+    filter: state.overrides.value.filter,
     keys: state.changedKeys.value,
     layout: keptLayout(layout.value),
     panes: { count: state.paneCount.value, ...state.paneSplit.value },
