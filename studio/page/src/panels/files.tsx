@@ -1,5 +1,6 @@
 import { signal } from "@preact/signals";
 import { baseName, isModelFile, isText } from "../core/paths.js";
+import type { FileEntry } from "../core/protocol.js";
 import * as documents from "../documents.js";
 import * as program from "../program.js";
 import * as state from "../state.js";
@@ -28,15 +29,18 @@ export function sizeWords(bytes: number): string {
   return `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
 }
 
+/** Opens or closes a folder, opens a text, shows a scene, and says of a picture how scenes use it. */
+export function use({ name, kind, size }: FileEntry): void {
+  if (kind === "folder") toggle(name);
+  // A model by itself, or one without a text, is placed by a scene.
+  else if (isModelFile(name) && (state.sceneFile.peek() === undefined || !isText(name))) program.send("create", { model: name });
+  else if (kind === "picture") state.notify(`${name} is a picture of ${sizeWords(size)}. Scenes use it by its name, as the file of a texture or of a panorama.`);
+  else if (isText(name)) documents.open(name);
+  else if (kind === "scene" || kind === "model") showScene(name);
+}
+
 export function FilesPanel() {
   const shown = state.files.value.filter((each) => !isHidden(each.name));
-  const use = (name: string, kind: string) => {
-    if (kind === "folder") toggle(name);
-    // A model by itself, or one without a text, is placed by a scene.
-    else if (isModelFile(name) && (state.sceneFile.peek() === undefined || !isText(name))) program.send("create", { model: name });
-    else if (isText(name)) documents.open(name);
-    else if (kind === "scene" || kind === "model") showScene(name);
-  };
   if (shown.length === 0) {
     return <p class="empty">{state.connection.value === "open" ? "The folder has no scenes." : "Connecting…"}</p>;
   }
@@ -55,10 +59,10 @@ export function FilesPanel() {
             title={entry.name}
             tabIndex={isActive || (index === 0 && state.activeFile.value === undefined) ? 0 : -1}
             style={{ paddingInlineStart: `${10 + depth * 14}px` }}
-            onClick={() => use(entry.name, entry.kind)}
+            onClick={() => use(entry)}
             onKeyDown={(event) => {
               if (event.key === "Enter" || event.key === " ") {
-                use(entry.name, entry.kind);
+                use(entry);
                 event.preventDefault();
               }
             }}
