@@ -164,6 +164,7 @@ export function painted(message: Painted): void {
   smallPictures.pane.notePainted(message);
   const pane = state.panes[message.pane];
   if (pane) pane.painted.value = message;
+  if (pane?.lastPass?.serial === message.serial) pane.shownFile.value = pane.lastPass.file;
   if (pane !== state.main) return;
   measures.shown(state.sceneFile.peek(), message);
 }

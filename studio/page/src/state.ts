@@ -79,6 +79,8 @@ export class Pane {
   readonly job = signal<JobReport | undefined>(undefined);
   readonly progress = signal<Progress | undefined>(undefined);
   readonly painted = signal<Painted | undefined>(undefined);
+  /** The scene file that the picture is of. */
+  readonly shownFile = signal<string | undefined>(undefined);
   /** Of the picture, in its pixels. */
   readonly size = signal<[number, number]>([0, 0]);
   /** Of what there is for it on the screen, in the screen's pixels; 0 where the pane is not seen. */

@@ -8,7 +8,7 @@ import { decode, encode, type JobReport } from "../src/core/protocol.js";
 import { dateAndTime, progressWords, short, viewWords, type ViewState } from "../src/core/view_words.js";
 
 const job: JobReport = { pane: 0, serial: 3, file: "a.crt", version: 2, scale: 4, samples: 1, width: 10, height: 10, state: "tracing" };
-const view: ViewState = { connection: "open", file: "a.crt", job, progress: undefined, paused: false, reading: false, workers: 1 };
+const view: ViewState = { connection: "open", file: "a.crt", shown: "a.crt", job, progress: undefined, paused: false, reading: false, workers: 1 };
 
 test("the view says what it shows", () => {
   const words = (changes: Partial<ViewState>) => viewWords({ ...view, ...changes });
@@ -22,6 +22,9 @@ test("the view says what it shows", () => {
   assert.equal(words({ job: { ...job, state: "done", stale: { as_of: new Date(2026, 1, 3, 12, 30, 1).getTime(), why: "line 4: no such field" } } }).words, "as of 12:30:01: line 4: no such field");
   assert.equal(words({ job: { ...job, stale: { as_of: null, why: "" } } }).words, "as of an earlier text");
   assert.equal(words({ job: { ...job, state: "failed", why: "line 2" } }).state, "failed");
+  const nothing = { ...job, stale: { as_of: null, why: "files of type .mtl are not read" } };
+  for (const shown of [undefined, "b.crt"]) assert.deepEqual(words({ job: nothing, shown }), { state: "failed", words: "files of type .mtl are not read" });
+  assert.equal(words({ job: { ...nothing, stale: { as_of: null, why: "" } }, shown: undefined }).words, "nothing is shown");
   assert.equal(words({ paused: true, reading: true }).words, "paused");
   assert.equal(words({ reading: true, job: { ...job, stale: { as_of: 0, why: "" } } }).words, "reading");
   assert.equal(words({ job: undefined, workers: 0 }).words, "waiting for workers");

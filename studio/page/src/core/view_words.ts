@@ -5,6 +5,8 @@ import type { JobReport, Progress } from "./protocol.js";
 export interface ViewState {
   connection: "connecting" | "open" | "lost" | "refused";
   file: string | undefined;
+  /** The file whose picture is seen. */
+  shown: string | undefined;
   job: JobReport | undefined;
   progress: Progress | undefined;
   paused: boolean;
@@ -27,6 +29,8 @@ export function viewWords(view: ViewState): ViewWords {
   if (view.paused || job?.state === "paused") return { state: "paused", words: "paused" };
   if (!job) return { state: "waiting", words: view.workers === 0 ? "waiting for workers" : "reading" };
   if (view.reading) return { state: "reading", words: "reading" };
+  // Without a picture of it there is none to be old.
+  if (job.stale && job.stale.as_of === null && view.shown !== view.file) return { state: "failed", words: job.stale.why || "nothing is shown" };
   if (job.stale) return { state: "stale", words: `as of ${clock(job.stale.as_of)}${job.stale.why ? `: ${job.stale.why}` : ""}` };
   switch (job.state) {
     case "tracing":

@@ -23,6 +23,7 @@ export function currentWords(): ViewWords {
     connection: state.connection.value,
     file: state.sceneFile.value,
     job: state.job.value,
+    shown: state.main.shownFile.value,
     progress: state.progress.value,
     paused: state.paused.value,
     reading: isReading.value,

@@ -58,6 +58,7 @@ class Sender {
   close(): void {
     this.pane.job.value = undefined;
     this.pane.painted.value = undefined;
+    this.pane.shownFile.value = undefined;
     if (this.sent !== "") program.send("close_view", { pane: this.pane.number });
     this.sent = "";
   }
