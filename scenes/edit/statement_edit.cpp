@@ -158,10 +158,10 @@ std::vector<Entity> statement_entities(std::string_view text, const SyntaxTree& 
   for (int32_t i = tree[0].first_child; i >= 0; i = tree[i].next) {
     Entity entity{.parent = 0};
     entity.type = text_of(text, tree[i].name);
-    entity.kind = entity.type == "newmtl"   ? EntityKind::material
-                  : entity.type == "mtllib" ? EntityKind::include
-                  : entity.type == "usemtl" ? EntityKind::other
-                                            : EntityKind::object;
+    const bool is_part = entity.type == "o" || entity.type == "g";
+    entity.kind = entity.type == "newmtl" ? EntityKind::material
+                  : is_part               ? EntityKind::object
+                                          : EntityKind::other;
     entity.path = fmt::format("{}[{}]", entity.type, count++);
     entity.range = tree[i].range;
     entity.body = tree[i].body;

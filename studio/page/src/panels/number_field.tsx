@@ -40,7 +40,8 @@ export function NumberField(props: NumberFieldProps) {
   const text = draft ?? props.text;
   const { also: _, ...ownRules } = rules;
   const checked: Checked = props.optional && text.trim() === "" ? { ok: true, value: NaN } : checkNumber(text, draft === undefined ? ownRules : rules);
-  const wrong = checked.ok ? props.wrong : `found ${checked.found}; expected ${checked.expected}`;
+  const fault = checked.ok ? props.wrong : `found ${checked.found}; expected ${checked.expected}`;
+  const wrong = props.disabled ? undefined : fault;
   const isEdited = () => drag.current !== undefined || document.activeElement === input.current;
 
   // What the program made of it is shown once nobody types or drags any more.

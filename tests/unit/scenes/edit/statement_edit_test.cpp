@@ -40,6 +40,14 @@ TEST(StudioEdit, AddsAStatementBesideItsSiblings) {
     EXPECT_FALSE(set_field(made, 1, "Kd", wrong).is_made()) << wrong;
 }
 
+TEST(StudioEdit, AFileOfMaterialsIsNoModel) {
+  const Outline obj = outline(Language::obj, "mtllib m.mtl\no ball\nusemtl red\ng top\n");
+  std::vector<EntityKind> kinds;
+  for (const Entity& entity : obj.entities()) kinds.push_back(entity.kind);
+  EXPECT_EQ(kinds, (std::vector{EntityKind::scene, EntityKind::other, EntityKind::object,
+                                EntityKind::other, EntityKind::object}));
+}
+
 TEST(StudioEdit, SetsScalarsOfGltf) {
   const std::string text =
       R"({"materials":[{"name":"a","pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]}}],"accessors":[{"count":3}]})";
