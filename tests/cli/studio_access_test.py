@@ -252,6 +252,26 @@ class Themes(AccessTest):
             self.assertNotEqual(*grounds, chosen)
 
 
+class Motion(AccessTest):
+    def moving(self, page):
+        """What moves or is to move by itself while the editor has the focus."""
+        page.click_on(".cm-scroller")
+        page.wait_for_frames()
+        return page.evaluate("""[document.getAnimations().length, [...document.querySelectorAll("*")].filter((each) =>
+            [null, "::before", "::after"].some((part) => {
+              const { animationName, transitionDuration, scrollBehavior } = getComputedStyle(each, part);
+              return animationName !== "none" || /[1-9]/.test(transitionDuration) || scrollBehavior === "smooth";
+            })).length]""")
+
+    def test_nothing_moves_by_itself_where_that_is_wanted(self):
+        page = self.begin()
+        self.assertGreater(min(self.moving(page)), 0, "the cursor blinks")
+        page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+        self.navigate(page)
+        self.until_final(page)
+        self.assertEqual([0, 0], self.moving(page))
+
+
 @unittest.skipUnless(AXE.exists(), "NO AXE-CORE: the page was not built beside the program")
 class Accessibility(AccessTest):
     def findings(self, page, *rules):
