@@ -266,7 +266,7 @@ class BadScenes(TesseraTest):
             result = self.run_program(*command, "--strict")
             self.assertEqual(1, result.code, result.err)
             for fault in ("odd.obj:1:8: material library 'none.mtl' is not there",
-                          "odd.obj:5:8: 'nan'; expected a normal's component"):
+                          "odd.obj:5:8: 'nan'; expected a component of the normal"):
                 self.assertIn(fault, result.err)
             self.assertNotIn("warning", result.err)
         self.assertEqual(0, self.run_program("info", self.write("good.tessera", "nodes { shape { sphere { } } }"),

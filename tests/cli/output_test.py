@@ -58,7 +58,7 @@ class Render(TesseraTest):
             self.assertIn(b"tessera:Colors=" + colors, (self.folder / "a.exr").read_bytes())
 
     def test_quiet_is_silent(self):
-        odd = self.write("odd.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+        odd = self.write("odd.obj", "v 0 0 0\nv 0 0 0\nv 2 0 0\nf 1 2 3\n")
         loud = self.run_program("render", odd, *SMALL, "--exposure", "9")
         for warning in ("without an area", "no ray meets a surface", "brighter than white"):
             self.assertIn(warning, loud.err)

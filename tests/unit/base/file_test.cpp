@@ -27,7 +27,7 @@ TEST(InputFile, APointerOfGitLfsIsNotTheFile) {
                                 ": a Git LFS pointer in place of the file's content; expected the "
                                 "content, which 'git lfs pull' fetches");
   EXPECT_EQ(error_of([&] { read_input_file(path, 10); }), check(pointer));
-  EXPECT_EQ(check("version https://git-lfs.github.io/not/that\n"), "");
+  EXPECT_EQ(check("version https://git-lfs.github.io/not/that\n"), "no error");
   EXPECT_EQ(check(pointer + std::string(1024, '\n')),
             path + ": the file has 1152 bytes; expected at most 100")
       << "no pointer is as long";

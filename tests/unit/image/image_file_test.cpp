@@ -324,7 +324,9 @@ TEST_F(ImageFile, odd_data_of_a_jpeg_is_told_and_read) {
   std::ifstream file(folder_ / "a.jpg", std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(file), {}};
   const TextureImage whole = decode_texture_image("a", bytes);
-  bytes.insert(2, "stray");  // before the first marker after the file's own
+  // Between the first segment after the file's own marker, which tells its length, and the next.
+  const auto byte = [&](size_t at) { return static_cast<size_t>(static_cast<uint8_t>(bytes[at])); };
+  bytes.insert(4 + 256 * byte(4) + byte(5), "stray");
   const TextureImage read = decode_texture_image("a", bytes);
   EXPECT_TRUE(read.damage.starts_with("Corrupt JPEG data: 5 extraneous bytes")) << read.damage;
   EXPECT_EQ(*read.texels, *whole.texels);

@@ -297,7 +297,7 @@ TEST(Gltf, ConvertsSpecularGlossiness) {
                                        R"([1,0.766,0.336],"glossinessFactor":0.9)")
                                 .scene.materials(0)
                                 .physical();
-  EXPECT_EQ(gold.metallic().value(), 1);
+  EXPECT_NEAR(gold.metallic().value(), 1, 1e-12);
   EXPECT_NEAR(gold.base_color().value().r(), 1, 1e-12);
   EXPECT_NEAR(gold.base_color().value().g(), .766, 1e-12);
   EXPECT_NEAR(gold.base_color().value().b(), .336, 1e-12);

@@ -161,7 +161,7 @@ TEST(Ply, ShowsThePictureThatACommentNames) {
       mapped, "t.ply", [](const std::string&, const std::string*) { return "is not there"; });
   EXPECT_EQ(missing.scene.textures_size(), 0);
   EXPECT_EQ(missing.warnings,
-            std::vector<std::string>{"t.ply:3:1: picture 'a b.png' is not there"});
+            std::vector<std::string>{"t.ply:4:1: picture 'a b.png' is not there"});
   EXPECT_EQ(parse_ply(text(""), "t.ply").scene.textures_size(), 0);
 }
 

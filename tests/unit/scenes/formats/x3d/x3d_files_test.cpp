@@ -326,7 +326,7 @@ TEST_F(X3dFilesTest, PrototypesOfOtherFilesAreTheSameInXml) {
 
 TEST_F(X3dFilesTest, PrototypesThatCannotBeReadAreTold) {
   fs::create_directories(outside_ / "library");
-  std::ofstream(outside_ / "library/ball.x3dv") << "#X3D V3.3 utf8\n" << kBallFile;
+  std::ofstream(outside_ / "library/globe.x3dv") << "#X3D V3.3 utf8\n" << kBallFile;
   write("ball.x3dv", kBallFile);
   write("loop.x3dv", "EXTERNPROTO P [ ] \"loop.x3dv#P\" PROTO Q [ ] { P { } }");
   write("broken.x3dv", "PROTO Q [ ] { Group { children [ ");
@@ -352,12 +352,12 @@ TEST_F(X3dFilesTest, PrototypesThatCannotBeReadAreTold) {
   expect_told("broken.x3dv#Q", "broken.x3dv:2:");
   expect_told("ball.x3d", "strings are written otherwise there");
   expect_told("http://example.org/a.x3dv#P", "nothing from the network");
-  expect_told("../library/ball.x3dv#Ball",
+  expect_told("../library/globe.x3dv#Ball",
               "--assets '" + fs::canonical(outside_).string() + "' would hold it");
   ReadOptions wider;
   wider.assets = outside_.string();
   const LoadedScene read =
-      read_x3d(write("main.x3dv", "EXTERNPROTO P [ ] \"../library/ball.x3dv#Ball\" P { }"), wider);
+      read_x3d(write("main.x3dv", "EXTERNPROTO P [ ] \"../library/globe.x3dv#Ball\" P { }"), wider);
   ASSERT_EQ(read.scene.nodes_size(), 1);
   EXPECT_EQ(read.scene.nodes(0).children_size(), 2);
 }
