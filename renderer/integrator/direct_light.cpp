@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/shading/clamped_normal.h"
+#include "renderer/shading/local_share.h"
 
 namespace tessera {
 
@@ -57,9 +57,8 @@ Color clear_transmittance(const Scene& scene, const Occluders& occluders, Ray ra
     const Coverage coverage = straight_coverage(point);
     const Material& material = *point.material;
     Color through = kWhite * coverage.through;
-    if (kThroughGlass && material.transmission == Transmission::refract && coverage.covered > 0) {
-      through += transmission_tint(material) * (coverage.covered * material.transparency);
-    }
+    if (kThroughGlass && material.refracted() > 0)
+      through += transmission_tint(material) * (coverage.covered * material.refracted());
     left = left * through;
     note_media_before(media, point);
     left = left * through_media(media, hit.t * metres);
@@ -153,18 +152,13 @@ template <bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state) {
   const Material& material = *point.material;
-  if (material.model == MaterialModel::unlit) return emission(point);
+  if (!material.is_lit()) return emission(point);
   // A refracting surface sends the share that it lets through elsewhere (scene.proto, REFRACT).
-  const bool refracts = material.transmission == Transmission::refract;
-  const double kept = refracts ? 1 - material.transparency : 1.0;
-  const Color diffuse = surface_diffuse(point);
-  const Color kept_diffuse = diffuse * kept;
+  const LocalShare<kRich> local(material, surface_diffuse(point), 1 - material.refracted(), wo,
+                                point.normal, point.geometric_normal);
   Color ambient = scene.settings.ambient;
   Color sum = material.emission;
   const double width = cone_width(state.cone, path_length);
-  Vec3 facets;
-  if (kRich && material.model != MaterialModel::classic)
-    facets = clamped_normal(point.normal, point.geometric_normal, wo);
   const bool has_shadows = scene.features.shadows;
   const LightBuffer* const buffers =
       has_shadows ? scene.occluders.buffers_at(point.surface) : nullptr;
@@ -183,12 +177,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
                                light.casts_shadow && light.shadow_intensity == 1 &&
                                material.is_opaque() && dot(point.geometric_normal, sample.wi) < 0;
     Color arriving = light.intensity * sample.factor;
-    Color share;
-    if (kRich && material.model != MaterialModel::classic) {
-      share = any_reflected_share(material, diffuse, point.normal, facets, sample.wi, wo);
-    } else {
-      share = reflected_share(material, kept_diffuse, point.normal, sample.wi, wo);
-    }
+    const Color share = local.reflected(sample.wi);
     if (shades_itself || is_black(arriving) || is_black(share)) {
       ++state.counters.shadow_rays_skipped;
       return;
@@ -201,11 +190,7 @@ Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& 
   };
   state.counters.lights_culled +=
       scene.for_each_light(point.surface.instance, point.surface.point, add_light);
-  if (kRich && material.model != MaterialModel::classic) {
-    return sum + ambient * ambient_share(material, diffuse) * kept;
-  }
-  return sum + ambient * material.ambient *
-                   (material.ambient_times_diffuse ? kept_diffuse : kWhite * kept);
+  return sum + local.ambient(ambient);
 }
 
 template Color local_radiance<false>(const Scene&, const SurfacePoint&, RayOrigins&, const Vec3&,

@@ -15,7 +15,7 @@ namespace {
 bool is_even(const Scene& scene, const Material& material) {
   Material plain = material;
   plain.inputs = kNoMaterialInputs;
-  if (!plain.is_lambert() || fills(plain) || plain.model != MaterialModel::classic) return false;
+  if (!plain.is_lambert() || fills(plain) || !plain.is_lit()) return false;
   if (!scene.features.lambert && is_black(material.diffuse)) return false;
   if (material.inputs == kNoMaterialInputs) return true;
   using Target = MaterialInputs::Target;
@@ -64,7 +64,7 @@ PathSurfaces::Placed PathSurfaces::place(uint32_t number) const {
 void PathSurfaces::find_sides(uint32_t number, Placed& placed) const {
   const InstanceShading& shading = scene_.shading[number];
   const auto back_of = [&](const Material& material) -> const Material& {
-    return material.sides == Sides::two_sided ? material : scene_.materials[material.back];
+    return material.has_other_back() ? scene_.materials[material.back] : material;
   };
   placed.is_even = !shading.has_alpha;
   for (uint32_t i = 0; i < shading.material_count; ++i) {

@@ -345,8 +345,7 @@ class PathWavefront : public PathWavefrontHits {
     }
     add_emission(place, point);
     const uint32_t bounces = passes_ ? now_->bounces[place] : vertex_;
-    if (bounces >= scene_.settings.max_depth || point.material->model == MaterialModel::unlit)
-      return;
+    if (bounces >= scene_.settings.max_depth || !point.material->is_lit()) return;
     const Bsdf bsdf(bsdf_point(place, point, surface_diffuse(point)));
     RayOrigins origins(point.surface);
     Color throughput = this->throughput(place);

@@ -69,9 +69,9 @@ SurfacePoint::SurfacePoint(const Scene& scene, const SurfaceInteraction& met, co
     : surface(met) {
   is_back = dot(surface.geometric_normal, direction) > 0;
   material = &scene.material(surface.instance, surface.material);
-  if (is_back && material->sides != Sides::two_sided) {
-    is_hidden = material->sides == Sides::front_only;
-    if (!is_hidden) material = &scene.materials[material->back];
+  if (is_back) {
+    is_hidden = material->hides_back();
+    if (material->has_other_back()) material = &scene.materials[material->back];
   }
   absorption = &material->absorption;
   geometric_normal = static_cast<Vec3>(surface.geometric_normal);
@@ -150,17 +150,13 @@ Coverage straight_coverage(const SurfacePoint& point) {
   double covered = alpha;
   // Vertex colours that replace the material's replace its transparency too.
   const bool replaced = material.vertex_color_replaces_diffuse && point.surface.vertex_alpha < 1;
-  if (material.transmission == Transmission::straight && !replaced) {
-    covered *= 1 - material.transparency;
-  }
+  if (!replaced) covered *= 1 - material.passed_straight();
   return {1 - covered, covered};
 }
 
 Color emission(const SurfacePoint& point) {
   const Material& material = *point.material;
-  if (material.model != MaterialModel::unlit || !point.surface.has_vertex_color) {
-    return material.emission;
-  }
+  if (material.is_lit() || !point.surface.has_vertex_color) return material.emission;
   return material.emission * point.surface.vertex_color;
 }
 

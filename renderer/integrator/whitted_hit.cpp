@@ -62,9 +62,7 @@ class WhittedHit {
     ++state_.counters.branches_skipped;
     return true;
   }
-  static bool bends(const Material& material) {
-    return material.transmission == Transmission::refract && material.transparency > 0;
-  }
+  static bool bends(const Material& material) { return material.refracted() > 0; }
   static bool sends_on(const Material& material) { return bends(material) || material.is_mirror(); }
 
   double grain(const Material& material, const SampleKey& key) const {

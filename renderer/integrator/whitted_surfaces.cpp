@@ -23,7 +23,7 @@ WhittedSurfaces::WhittedSurfaces(const Scene& scene)
     for (uint32_t slot = 0; slot < scene.shading[i].material_count; ++slot) {
       const Material& material = scene.material(static_cast<uint32_t>(i), slot);
       placed.is_simple &= material.is_simple();
-      are_simple_ &= material.sides != Sides::front_only;
+      are_simple_ &= !material.hides_back();
     }
     are_simple_ &= placed.is_simple;
     if (!instance.world_from_object.is_identity()) continue;

@@ -251,7 +251,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     const LaneSurface& surface = bundle.surface;
     const auto is_back = hn::Gt(dot(surface.front, bundle.direction), hn::Zero(kLaneTag));
     // Such surfaces are met from behind by the last digit alone.
-    if (material.sides == Sides::front_only) {
+    if (material.hides_back()) {
       uint32_t behind = movemask(is_back) & bundle.bits;
       bundle.bits &= ~behind;
       while (behind != 0) look_alone(bundle.places[take_lowest_lane(behind)]);

@@ -12,10 +12,6 @@ namespace tessera {
 
 namespace {
 
-Color shine_of(const Material& material) {
-  return material.model != MaterialModel::unlit && material.is_opaque() ? material.emission
-                                                                        : kBlack;
-}
 bool has_texture(const Scene& scene, const Material& material) {
   if (material.inputs == kNoMaterialInputs) return false;
   const auto& slots = scene.inputs[material.inputs].slots;
@@ -79,11 +75,11 @@ AreaLights find_area_lights(const Scene& scene, std::span<const TriangleMesh* co
       AreaLight light;
       light.instance = i;
       light.material = slot;
-      light.front = shine_of(material);
+      light.front = material.emitted();
       light.has_texture = has_texture(scene, material);
-      if (material.sides == Sides::two_sided) light.back = light.front;
-      if (material.sides == Sides::back_material) {
-        light.back = shine_of(scene.materials[material.back]);
+      if (!material.hides_back()) light.back = light.front;
+      if (material.has_other_back()) {
+        light.back = scene.materials[material.back].emitted();
         light.has_texture |= has_texture(scene, scene.materials[material.back]);
       }
       if (is_black(light.front) && is_black(light.back)) continue;

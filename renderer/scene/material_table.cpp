@@ -44,7 +44,7 @@ uint32_t MaterialTable::use(const Where& where, const std::string& name) {
     inputs_.push_back(std::move(inputs));
   }
   // Its own number is known by now, so that materials may name each other.
-  if (materials_[index].sides == Sides::back_material) {
+  if (materials_[index].has_other_back()) {
     constexpr int kDeepest = 64;
     if (depth_ >= kDeepest) {
       fail_value(place, "backs of backs", fmt::format("{} deep", depth_ + 1),

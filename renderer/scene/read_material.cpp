@@ -229,7 +229,7 @@ void read_alpha(Fields& fields, const v1::Material& in, Material& out) {
   if (in.alpha() == v1::Material::ALPHA_OPAQUE) {
     inputs.alpha_mode = AlphaMode::opaque;
     out.alpha = 1;
-    if (out.transmission == Transmission::straight) out.transparency = 0;
+    if (out.passed_straight() > 0) out.transparency = 0;
     std::erase_if(inputs.slots, [](const auto& slot) { return slot.target == Target::alpha; });
     return;
   }

@@ -95,7 +95,7 @@ class SceneBuilder {
       bool emits = background == BackgroundKind::sun_and_sky || scene_->background.picture;
       bool scatters = false;
       for (const Material& material : materials_.materials()) {
-        if (material.model == MaterialModel::unlit) continue;
+        if (!material.is_lit()) continue;
         emits |= !is_black(material.emission);
         scatters |= material.scatters();
       }
@@ -257,9 +257,9 @@ class SceneBuilder {
     for (uint32_t i = 0; i < entry.count; ++i) {
       const uint32_t index = scene_->material_slots[entry.first + i];
       const Material* material = &materials_.materials()[index];
-      if (material->sides == Sides::front_only) ++one_sided;
+      if (material->hides_back()) ++one_sided;
       const Material* sides[] = {material, &materials_.materials()[material->back]};
-      const size_t count = material->sides == Sides::back_material ? 2 : 1;
+      const size_t count = material->has_other_back() ? 2 : 1;
       for (size_t side = 0; side < count; ++side) {
         if (!sides[side]->is_opaque()) entry.is_clear = true;
         entry.has_alpha |= sides[side]->has_alpha();

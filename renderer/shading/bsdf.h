@@ -1,28 +1,13 @@
 #pragma once
 
-#include "renderer/math/elementary.h"
+#include <array>
+
 #include "renderer/math/frame.h"
-#include "renderer/math/numbers.h"
-#include "renderer/math/warp.h"
 #include "renderer/shading/clamped_normal.h"
-#include "renderer/shading/coat.h"
-#include "renderer/shading/material.h"
-#include "renderer/shading/microfacet.h"
+#include "renderer/shading/lambert.h"
+#include "renderer/shading/lobes.h"
 
 namespace tessera {
-
-/// What a surface is where a path meets it: the material with its textures, and where it is seen
-/// from.
-struct BsdfPoint {
-  const Material& material;
-  Color diffuse;          ///< the material's, after vertex colours
-  Vec3 normal;            ///< unit, for shading; may face away from the viewer
-  Vec3 geometric_normal;  ///< unit, towards the viewer
-  Vec3 wo;                ///< unit, to the viewer
-  bool from_inside;       ///< the viewer is inside the material
-};
-
-#include "renderer/shading/lambert-inl.h"
 
 /// A direction to go on in.
 struct BsdfSample {
@@ -50,112 +35,32 @@ class LambertBsdf : public Lambert {
   }
 };
 
-/// How a material of any model scatters light, so that it gives back no more than it gets and the
-/// same from either side (Helmholtz), roughness and normals that are not the true ones apart:
-///
-///   classic     Lambert; the highlight as GGX facets of alpha = sqrt(2 / (shininess + 2)) that
-///               reflect `specular`, with what goes on between them; mirror; smooth glass. Scaled
-///               down where these exceed 1.
-///   physical    glTF 2.0, appendix B: by `metallic` a mix of a metal and a dielectric, which is
-///               GGX facets over a Lambert base or glass, with what is reflected between facets
-///               (Kulla and Conty 2017, "Revisiting Physically Based Shading"), the base getting
-///               what the facets leave it; on the share `clearcoat` of it a coat (coat.h). A base
-///               colour above 1 is scaled down.
-///   conductor   GGX facets, the same, or a mirror where roughness is 0.
-///   dielectric  smooth or rough glass (Walter et al. 2007), the latter with what goes on between
-///               its facets (Kulla and Conty again), or a thin sheet of it, whose facets let
-///               light through into where they would reflect it to on the other side.
-///
-/// Facets, mirror and glass stand about the clamped_normal(), what lies under them about the
-/// shading normal. What either sends to the wrong side of the surface is mirrored at it, so that
-/// normals lose no light. A value of one point; lives while its BsdfPoint's material does.
+/// How a material scatters light at one point: its lobes, of which a direction is chosen by one,
+/// and evaluated by all. So it gives back no more than it gets and the same from either side
+/// (Helmholtz), roughness and normals that are not the true ones apart. What a lobe sends to the
+/// wrong side of the surface is mirrored at it, so that normals lose no light.
 class Bsdf {
  public:
   explicit Bsdf(const BsdfPoint& point);
 
   /// Whether evaluate() can be anything but black.
-  bool is_smooth() const { return p_base_ + p_facets_ + p_coat_ > 0 || is_rough_glass(); }
+  bool is_smooth() const { return is_smooth_; }
   BsdfValue evaluate(const Vec3& wi) const;
   /// `choice` and `u` are uniform in [0, 1). False where the path ends.
   bool sample(double choice, const Vec2& u, BsdfSample& sample) const;
 
  private:
-  void set_classic(const BsdfPoint& point);
-  void set_physical(const BsdfPoint& point);
-  void set_conductor(const Material& material);
-  void set_glass(const Material& material, double share, double alpha, const Color& tint);
-  void set_coat(const BsdfPoint& point);
-  Color between_facets(const Color& f0) const;
-  void set_probabilities();
-
-  bool is_rough_glass() const { return p_glass_ > 0 && glass_alpha_ > 0; }
-  Color facet_fresnel(double cosine) const;
-  FacetAlbedo facets_towards(double cosine) const;
-  /// What a dielectric's facets leave to what is under them.
-  double left_to_diffuse(const FacetAlbedo& facets) const;
-  /// What several reflections between facets and the Lambert base under them send on, times pi.
-  Color base(double cos_i) const;
-  /// What the coat lets through, along `cosine` and towards the viewer.
-  double coat_passes(double cosine) const;
-  double below_coat() const;
-  /// What it leaves of light that goes through the glass.
-  double coat_before_beyond(double cosine) const;
-  double glass_lost(bool inside, double cosine) const;
-  double glass_lost_to(bool beyond, bool inside, double cosine) const;
-  double mean_glass_lost_to(bool beyond, bool inside) const;
-  double sheet_fresnel(double cosine) const;
-  /// What it leaves of an even base's light and of facets'.
-  double coat_over_even(double cos_i, double mean) const;
-  double coat_over_facets(CoatedFacets kind, double facets_o, double cos_i) const;
-  /// The facets' Fresnel factor under it, `cosine` being that to their normal.
-  Color coated_fresnel(double cosine, double cos_i) const;
   /// Evaluates the two directions that end as `world_wi`: itself, and the one that is mirrored into
-  /// it at the surface. `wi` is `world_wi` in the frame; `is_beyond`: it is on the far side.
+  /// it at the surface. `wi` is `world_wi` in the frame.
   BsdfValue evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_beyond) const;
-  BsdfValue evaluate_local(const Vec3& wi, bool is_beyond) const;
-  BsdfValue evaluate_glass(const Vec3& wi) const;
-  BsdfValue evaluate_glass_facets(const Vec3& wi) const;
-  BsdfValue evaluate_sheet_facets(const Vec3& wi) const;
-  bool sample_smooth_glass(double choice, BsdfSample& sample, Vec3& wi) const;
-  bool sample_rough_glass(double choice, const Vec2& u, Vec3& wi) const;
+  BsdfValue evaluate_lobes(const Vec3& wi, bool is_beyond) const;
 
-  Frame frame_;
+  Frame frame_;  ///< of the lobes
   Vec3 facet_normal_;
-  Vec3 wo_, base_normal_{0, 0, 1};  ///< in the frame
-  bool leans_ = false;  ///< the shading normal does: what is sent to the wrong side is mirrored
-  // Facets.
-  double alpha_ = 0;  ///< 0: they are a mirror
-  Color f0_ = kBlack;
-  const Material* conductor_ = nullptr;
-  bool has_facets_ = false;
-  bool has_schlick_ = false;  ///< they reflect more by Schlick's factor
-  double kept_ = 1;           ///< the share of all that is no glass
-  FacetAlbedo facets_o_;      ///< towards the viewer
-  Color between_ = kBlack;    ///< what is reflected between facets, over 1 - its mean
-  // What is under a dielectric's.
-  Color diffuse_ = kBlack;  ///< divided by what the mean of the rest is
-  double dielectric_ = 0, dielectric_f0_ = 0, dielectric_between_ = 0;  ///< the share of it first
-  double left_o_ = 1;  ///< what facets leave it towards the viewer
-  // Clear coat.
-  double coat_ = 0, coat_alpha_ = 0;
-  bool under_coat_ = false;  ///< the viewer is inside glass whose outside is coated
-  double coat_o_ = 1;        ///< what it lets through towards the viewer
-  double coat_white_o_ = 1, coat_dielectric_o_ = 1;  ///< the same of facets of either kind
-  /// What it lets through on the mean of what goes on between facets, and of what lies under them.
-  double coat_between_ = 1, coat_diffuse_ = 1;
-  // Glass.
-  double glass_ = 0, glass_alpha_ = 0, eta_ = 1;  ///< eta beyond over that on the viewer's side
-  const GlassAlbedo* glass_albedo_ = nullptr;
-  bool from_inside_;
-  double between_glass_ = 0;  ///< what its facets lose towards the viewer
-  double goes_through_ = 0;   ///< the share of that which goes through in the end
-  double turned_back_ = 0;    ///< by the coat, of light towards the viewer
-  double mean_turned_back_ = 0;
-  Color tint_ = kWhite;
-  bool thin_ = false;
-  double denser_beyond_ = 1;  ///< radiance there over that on the viewer's side
-  Color mirror_ = kBlack;
-  double p_base_ = 0, p_facets_ = 0, p_coat_ = 0, p_mirror_ = 0, p_coat_mirror_ = 0, p_glass_ = 0;
+  bool leans_;  ///< the shading normal does: what is sent to the wrong side is mirrored
+  bool is_smooth_ = false;
+  Lobes lobes_;
+  std::array<double, Lobes::static_capacity> probabilities_{};  ///< one a lobe, of their choice
 };
 
 }  // namespace tessera

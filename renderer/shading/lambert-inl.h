@@ -1,4 +1,4 @@
-// Written once for single numbers and for lanes (numbers.h): included by bsdf.h, and by
+// Written once for single numbers and for lanes (numbers.h): included by lambert.h, and by
 // lambert_lanes-inl.h for each instruction set.
 
 /// Scales the colour so that its largest component is at most 1, lest more light come back than
@@ -15,6 +15,11 @@ struct BsdfValue {
   Num density = num(0);
 };
 
+/// Per steradian, of directions that are spread over the hemisphere by their cosine.
+TESSERA_INLINE Num cosine_density(Num cosine) {
+  return maximum(cosine, num(0)) * num(1 / portable::kPi);
+}
+
 /// A surface that scatters evenly. What would go to its other side is mirrored at it.
 class Lambert {
  public:
@@ -24,7 +29,7 @@ class Lambert {
   const NumColor& albedo() const { return albedo_; }
   TESSERA_INLINE BsdfValue evaluate(const Num3& wi) const {
     const NumMask is_before = dot(wi, facet_) > num(0);
-    const Num density = select(is_before, density_of(dot(wi, normal_)), num(0));
+    const Num density = select(is_before, cosine_density(dot(wi, normal_)), num(0));
     const Num mirrored = select(is_before, density_mirrored_to(wi), num(0));
     return {albedo_ * density + albedo_ * mirrored, density + mirrored};
   }
@@ -32,19 +37,16 @@ class Lambert {
   TESSERA_INLINE NumMask sample(const Num2& u, Num3& wi, Num& density) const {
     const Num3 local = cosine_hemisphere_point(u);
     wi = Frame(normal_).from_local(local);
-    density = density_of(local.z) + density_mirrored_to(wi);
+    density = cosine_density(local.z) + density_mirrored_to(wi);
     const Num height = dot(wi, facet_);
     wi = select(height < num(0), reflect(wi, facet_), wi);
     return both(local.z > num(0), height != num(0));
   }
 
  private:
-  static TESSERA_INLINE Num density_of(Num cosine) {
-    return maximum(cosine, num(0)) * num(1 / portable::kPi);
-  }
   /// Of what is mirrored at the surface into `wi`.
   TESSERA_INLINE Num density_mirrored_to(const Num3& wi) const {
-    return density_of(dot(reflect(wi, facet_), normal_));
+    return cosine_density(dot(reflect(wi, facet_), normal_));
   }
 
   NumColor albedo_;

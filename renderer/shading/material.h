@@ -52,12 +52,21 @@ struct Material {
   bool thin = false;                   ///< a sheet: what goes through is not bent
   bool has_clear_input = false;        ///< somewhere it may let light through
 
+  /// Whether light matters to it: what is unlit shows its colour, is not lit and lights nothing.
+  bool is_lit() const { return model != MaterialModel::unlit; }
+  /// What others get of its light, textures and vertex colours apart.
+  Color emitted() const { return is_lit() && is_opaque() ? emission : kBlack; }
+  /// The share of light that goes through it bent, and the share that goes straight on.
+  double refracted() const { return transmission == Transmission::refract ? transparency : 0; }
+  double passed_straight() const {
+    return transmission == Transmission::straight ? transparency : 0;
+  }
+  bool hides_back() const { return sides == Sides::front_only; }
+  /// Whether its back faces are of the material `back`.
+  bool has_other_back() const { return sides == Sides::back_material; }
   bool is_opaque() const { return transparency <= 0 && alpha >= 1 && !has_clear_input; }
   /// Whether some of what is behind it may come straight through.
-  bool has_alpha() const {
-    return alpha < 1 || has_clear_input ||
-           (transmission == Transmission::straight && transparency > 0);
-  }
+  bool has_alpha() const { return alpha < 1 || has_clear_input || passed_straight() > 0; }
   /// Whether it may mirror anything.
   bool is_mirror() const {
     return !is_black(reflectivity) || model == MaterialModel::conductor ||
@@ -66,8 +75,7 @@ struct Material {
   }
   /// Whether what it shows depends on normals that differ from the true ones.
   bool uses_shading_normal() const {
-    return model != MaterialModel::unlit || inputs != kNoMaterialInputs || is_mirror() ||
-           (transmission == Transmission::refract && transparency > 0);
+    return is_lit() || inputs != kNoMaterialInputs || is_mirror() || refracted() > 0;
   }
   /// Whether what it shows depends on vertex colours, their alpha apart.
   bool uses_vertex_color() const {
@@ -86,8 +94,7 @@ struct Material {
   bool throws_light() const {
     switch (model) {
       case MaterialModel::classic:
-        return !is_black(reflectivity) ||
-               (transparency > 0 && transmission == Transmission::refract && refractive_index != 1);
+        return !is_black(reflectivity) || (refracted() > 0 && refractive_index != 1);
       case MaterialModel::unlit:
         return false;
       case MaterialModel::physical:

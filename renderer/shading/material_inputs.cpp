@@ -81,13 +81,12 @@ void apply_surface_color(const MaterialInputs& inputs, const Texture& texture, c
 
 void apply_alpha_mode(const MaterialInputs& inputs, VertexColor& vertex, Material& material) {
   if (inputs.alpha_mode == AlphaMode::blend) return;
-  double& transparency = material.transparency;
-  const bool straight = material.transmission == Transmission::straight;
-  const double covered = material.alpha * vertex.alpha * (straight ? 1 - transparency : 1.0);
+  const double passed = material.passed_straight();
+  const double covered = material.alpha * vertex.alpha * (1 - passed);
   const bool is_there = inputs.alpha_mode == AlphaMode::opaque || covered >= inputs.alpha_cutoff;
   material.alpha = is_there ? 1 : 0;
   vertex.alpha = 1;
-  if (straight) transparency = 0;
+  if (passed > 0) material.transparency = 0;
 }
 
 /// The height of the surface at `point` moved by `step` along a world vector of unit length.

@@ -11,8 +11,7 @@ namespace tessera {
 /// Whether what is behind a surface of this material is filled with it, up to the surface's back.
 /// What lets light straight through, and takes nothing of it, has alpha or a hole instead.
 inline bool fills(const Material& material) {
-  const bool refracts = material.transmission == Transmission::refract && material.transparency > 0;
-  return !material.thin && (refracts || !is_black(material.absorption));
+  return !material.thin && (material.refracted() > 0 || !is_black(material.absorption));
 }
 
 /// The solids that a point is inside of. The one that was entered last displaces the others, until

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -204,6 +205,19 @@ void expect_samples_follow_density(const Bsdf& bsdf) {
   const double spread = 2.0 / (9 * freedom);
   const double normal = (std::cbrt(chi2 / freedom) - (1 - spread)) / std::sqrt(spread);
   EXPECT_LT(normal, 4.5) << chi2 << " for " << freedom;
+}
+
+TEST(Bsdf, EveryKindOfLobeIsAmongTheCases) {
+  std::vector<BsdfCase> cases = smooth_cases();
+  for (const BsdfCase& c : {gold(0), glass("smooth", 0, false)}) cases.push_back(c);
+  std::set<size_t> found;
+  for (const BsdfCase& c : cases) {
+    const Lobes lobes = lobes_of(
+        {c.material, c.material.diffuse, {0, 0, 1}, {0, 0, 1}, at_angle(30), c.from_inside},
+        at_angle(30), {0, 0, 1});
+    for (const Lobe& lobe : lobes) found.insert(lobe.index());
+  }
+  EXPECT_EQ(found.size(), std::variant_size_v<Lobe>) << "a new one lacks its case in this file";
 }
 
 TEST(Bsdf, SamplesFollowTheDensityThatItTells) {  // N28

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "renderer/math/color.h"
+#include "renderer/shading/microfacet.h"
+
+namespace tessera {
+
+/// What less of light is lost than this is nothing.
+inline constexpr double kLeastLost = 1e-9;
+
+/// The alpha of facets of a roughness in [0, 1]; 0, a mirror, for the smoothest.
+double facet_alpha(double roughness);
+
+/// GGX facets that reflect once, and what they send on to each other.
+struct Facets {
+  double alpha = 0;  ///< in [0, 1]; 0: a mirror
+
+  /// How much evenly arriving light they send towards `cosine`, in (0, 1].
+  FacetAlbedo towards(double cosine) const;
+  /// Its mean over the hemisphere, by the cosine.
+  FacetAlbedo mean() const;
+  /// What several reflections between them send on where one reflects `f0` straight on, for an
+  /// EvenLobe: over 1 - mean() (Kulla and Conty 2017, "Revisiting Physically Based Shading").
+  Color between(const Color& f0) const;
+};
+
+/// What a dielectric's facets leave to what is under them.
+struct UnderFacets {
+  double f0 = 0;       ///< what they reflect straight on
+  double between = 0;  ///< of what they lose, the share that comes out between them
+
+  /// In the direction, or on the mean, whose albedo this is.
+  double left(const FacetAlbedo& facets) const {
+    return 1 - facets.scale * f0 - facets.bias - between * (1 - facets.of_white());
+  }
+};
+
+}  // namespace tessera
