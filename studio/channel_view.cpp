@@ -209,8 +209,11 @@ std::optional<Aov> aov_of(ViewChannel channel) {
   return Aov::variance;
 }
 
-Legend legend_of(const Film& film, ViewChannel channel, const OutputSettings& output) {
+Legend legend_of(const Film& film, ViewChannel channel, const OutputSettings& output,
+                 uint32_t samples) {
   Legend legend{.channel = channel, .is_scale = is_scale(channel)};
+  legend.is_known = aov_of(channel) != Aov::variance || samples > 1;
+  if (!legend.is_known) return legend;
   if (!legend.is_scale && channel != ViewChannel::position) return legend;
   const double exposure = std::exp2(output.exposure);
   double low = std::numeric_limits<double>::infinity(), high = -low, sum = 0;

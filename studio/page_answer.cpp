@@ -87,6 +87,7 @@ Json limits_json() {
             {"files", OpenDocuments::kMostOpen},
             {"nice", StudioSettings::kMostNice},
             {"side", kMaxFrameSide},
+            {"view_side", page::kMostViewSide},
             {"pixels", page::kMostViewPixels},
             {"frames", page::kMostFrames}};
   for_each_render_option([&most](const Option& option) {
@@ -202,9 +203,9 @@ Json tiles_json(const ViewId& view, const PassTiles& tiles, int scale) {
 
 Json legend_json(const ViewId& view, const Legend& legend) {
   return {{"pane", view.pane},        {"channel", name_of_channel(legend.channel)},
-          {"scale", legend.is_scale}, {"low", legend.low},
-          {"high", legend.high},      {"mean", legend.mean},
-          {"steps", legend.steps}};
+          {"scale", legend.is_scale}, {"known", legend.is_known},
+          {"low", legend.low},        {"high", legend.high},
+          {"mean", legend.mean},      {"steps", legend.steps}};
 }
 
 }  // namespace tessera

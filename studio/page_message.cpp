@@ -19,7 +19,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int64_t kMostVersion = int64_t{1} << 53;
-constexpr int kMostSide = 16384;
 constexpr int kMostFrame = 999'999'999;
 constexpr size_t kMostOutputs = 8;
 
@@ -118,8 +117,8 @@ Message view(const Fields& fields) {
   const Json* size = fields.find("size");
   if (!size || !size->is_array() || size->size() != 2)
     throw wrong("size", "none", "[width, height]");
-  message.width = static_cast<int>(Fields::whole("size", (*size)[0], 1, kMostSide));
-  message.height = static_cast<int>(Fields::whole("size", (*size)[1], 1, kMostSide));
+  message.width = static_cast<int>(Fields::whole("size", (*size)[0], 1, kMostViewSide));
+  message.height = static_cast<int>(Fields::whole("size", (*size)[1], 1, kMostViewSide));
   if (int64_t{message.width} * message.height > kMostViewPixels)
     throw wrong("size", size->dump(), fmt::format("at most {} pixels", kMostViewPixels));
   if (const Json* camera = fields.find("camera")) get_camera(*camera, message);
@@ -149,8 +148,8 @@ template <typename OfPixel>
 OfPixel of_pixel(const Fields& fields) {
   OfPixel message;
   fields.get_whole("pane", message.pane, 0, kPanes - 1);
-  fields.get_whole("x", message.x, 0, kMostSide);
-  fields.get_whole("y", message.y, 0, kMostSide);
+  fields.get_whole("x", message.x, 0, kMostViewSide);
+  fields.get_whole("y", message.y, 0, kMostViewSide);
   return message;
 }
 

@@ -132,6 +132,8 @@ struct Workspace {
 
 /// Of one order: their files are looked for one by one.
 constexpr int kMostFrames = 100'000;
+/// Of each side of a pane's picture.
+constexpr int kMostViewSide = 16384;
 /// The largest picture of a pane: 7680x4320.
 constexpr int64_t kMostViewPixels = 33'177'600;
 

@@ -32,7 +32,7 @@ bool PictureStream::renew_legend(const ViewId& view, Shown& shown) {
   Legend legend{.channel = channel};
   // Until there is a whole picture tiles have the colours of the one before.
   if (shown.whole && (!aov || shown.whole->aovs().has(*aov)))
-    legend = legend_of(*shown.whole, channel, shown.output);
+    legend = legend_of(*shown.whole, channel, shown.output, shown.of_whole.pass.samples);
   if (legend == shown.legend && shown.is_told) return false;
   shown.legend = legend;
   shown.is_told = true;

@@ -54,4 +54,8 @@ std::optional<FileKind> file_kind_of(std::string_view file_name) {
   return std::nullopt;
 }
 
+bool is_read_by_scenes(std::string_view file_name) {
+  return file_kind_of(file_name) || lower_case(std::string(file_name)).ends_with(".bin");
+}
+
 }  // namespace tessera

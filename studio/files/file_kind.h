@@ -14,4 +14,7 @@ std::string_view name_of(FileKind kind);
 /// them), and pictures; nothing for all other files.
 std::optional<FileKind> file_kind_of(std::string_view file_name);
 
+/// Whether scenes read files of that name: those of a kind, and the ones that hold numbers of glTF.
+bool is_read_by_scenes(std::string_view file_name);
+
 }  // namespace tessera

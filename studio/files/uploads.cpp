@@ -10,7 +10,7 @@
 namespace tessera {
 
 void Uploads::begin(uint64_t owner, uint32_t number, const std::string& name, uint64_t size) {
-  if (!file_kind_of(name))
+  if (!is_read_by_scenes(name))
     throw render_error(
         fmt::format("'{}' is no file of a kind that is read: a scene, a model or a picture", name));
   if (size > kMostBytes)

@@ -314,6 +314,40 @@ class Accessibility(AccessTest):
             self.until(page, lambda state: state["theme"] == theme, theme)
             self.walk(page, f"{theme}, high contrast", "color-contrast-enhanced")
 
+    def test_no_findings_in_what_lies_over_picture_and_text(self):
+        page = self.begin()
+        page.evaluate(AXE.read_text() + "; 1")
+        check = lambda what: self.assertEqual([], self.findings(page), what)
+        page.click_on(".view-options summary")
+        page.evaluate("""(() => { const select = document.querySelector(".view-options select");
+            select.value = "depth"; select.dispatchEvent(new Event("change", { bubbles: true })); })()""")
+        wait_until(lambda: page.has(".legend", "depth"), "the legend is open")
+        check("legend")
+        page.click_on(".view-options summary")
+        page.click_on(".view-frame")
+        page.press("p")
+        page.press("Enter")
+        wait_until(lambda: page.has(".probed td"), "the probe is open")
+        check("probe")
+        page.press("p")
+        page.press("c")
+        wait_until(lambda: page.has(".compare"), "a picture is pinned")
+        for key, seen in (("v", ".wipe-line"), ("n", ".compare .numbers td")):
+            page.press(key)
+            wait_until(lambda: page.has(seen), f"{seen} is seen")
+            check(seen)
+        page.click_on(".cm-scroller")
+        page.press("Ctrl-End")
+        page.type("\nnodes { ")
+        page.press("Ctrl-Space")
+        wait_until(lambda: page.has(".cm-tooltip-autocomplete li"), "words are proposed")
+        check("completion list")
+
+    def test_no_findings_in_a_narrow_window(self):
+        page = self.begin_with_axe()
+        page.resize(320, 640)
+        self.walk(page, "320 points")
+
     def test_no_findings_with_forced_colours(self):
         page = self.begin_with_axe()
         page.call("Emulation.setEmulatedMedia", features=[{"name": "forced-colors", "value": "active"}])

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """How the picture of the studio is looked at: enlarged, probed, compared, from several sides."""
+import json
 import math
 import re
 import shutil
@@ -151,6 +152,13 @@ class Probe(LookTest):
 
 
 class Zoom(LookTest):
+    def type_into(self, page, label, text):
+        """Types into a field below the picture."""
+        page.evaluate(f"""[...document.querySelectorAll(".view-options label.field")].find((each) =>
+            each.querySelector("span").textContent === {json.dumps(label)}).querySelector("input").focus()""")
+        page.press("Ctrl-A")
+        page.type(text)
+
     def zoomed(self, page, factor):
         return self.until(page, lambda state: state["view"]["zoom"] == factor, f"the picture is {factor} times as large")
 
@@ -196,6 +204,34 @@ class Zoom(LookTest):
         moved = self.probed(page)["pixel"]
         wait_until(lambda: abs(int(self.probed(page)["pixel"][0]) - x - width / 480) <= 1, f"a tenth of the frame: {moved}")
         page.click_on(".view-bar button", "48:1")
+        self.zoomed(page, 1)
+
+    def test_scales_are_points_of_the_screen_for_a_pixel(self):
+        page = self.begin()
+        page.click_on(".view-options summary")
+        self.type_into(page, "Width", "1600")
+        self.type_into(page, "Height", "900")
+        self.until(page, lambda state: (state["view"]["width"], state["view"]["height"]) == (1600, 900), "another size")
+        sheet = lambda: page.evaluate("document.querySelector('.view-sheet').getBoundingClientRect().width")
+        frame = page.box(".view-frame")[4]
+        self.assertLess(frame, 800)
+        wait_until(lambda: page.has(".view-bar button", "fit"), "that it is reduced is told")
+        self.assertAlmostEqual(frame, sheet(), delta=1)
+        page.click_on(".view-bar button", "fit")
+        self.zoomed(page, 1)
+        self.assertAlmostEqual(1600, sheet(), delta=1e-3)
+        wait_until(lambda: page.has(".view-bar button", "1:1"), "that it is 1:1 is told")
+        at = self.on_picture(page, .5, .5)
+        page.click_at(*at)
+        page.press("z", 3)
+        self.zoomed(page, 4)
+        self.assertAlmostEqual(6400, sheet(), delta=1e-2)
+        page.press("z", 20)
+        self.zoomed(page, 64)
+        self.assertAlmostEqual(64 * 1600, sheet(), delta=1)
+        page.press("Shift-O")
+        wait_until(lambda: abs(sheet() - frame) < 1, "all of the picture is seen")
+        page.press("o")
         self.zoomed(page, 1)
 
     def test_a_drag_over_the_enlarged_picture_moves_what_is_under_it(self):

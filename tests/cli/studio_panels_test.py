@@ -296,6 +296,10 @@ class Settings(PanelsTest):
         page.type("3687")
         wait_until(lambda: self.invalid(page), "it is too large")
         self.assertIn("at most 3686 beside 9000", page.evaluate("document.querySelector('.view-options').textContent"))
+        page.press("Ctrl-A")
+        page.type("16385")
+        wait_until(lambda: page.has(".view-options .why", "found 16385; expected a whole number from 1 to 16384"),
+                   "no program makes a view of that width")
         page.click_on(".view-bar .chip", "own settings")
         self.until(page, lambda each: (each["view"]["width"], each["view"]["height"]) == own, "it is as the pane is")
         self.assertFalse(page.has(".setting.own"))

@@ -2,6 +2,7 @@
 """How scenes come into being in the studio: by templates and samples."""
 import json
 import pathlib
+import struct
 import time
 import unittest
 
@@ -176,6 +177,12 @@ class Start(StudioPageTest):
         self.assertEqual(["scene.tessera"], [each.name for each in self.opened.iterdir()])
 
 
+# A triangle whose numbers are in t.bin.
+GLTF = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "buffers": [{"uri": "t.bin", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                       "max": [1, 1, 0]}]}
 TRIANGLE = "o sphere\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
@@ -241,6 +248,24 @@ class Drop(StudioPageTest):
         page.click_on(".cm-scroller")
         page.press("Ctrl-Z")
         wait_until(lambda: page.script == SCENE, "one step of undo takes it back")
+
+    def test_what_a_model_names_is_copied_beside_it(self):
+        page = self.begin()
+        page.drop_files(*self.part_of_view(page, .5, .5), self.file("m.obj", "mtllib m.mtl\nusemtl red\n" + TRIANGLE),
+                        self.file("m.mtl", "newmtl red\nKd 1 0 0\nmap_Kd wall.png\n"),
+                        self.file("wall.png", (SAMPLES / "hall.png").read_bytes()))
+        wait_until(lambda: self.includes(page), "the model is placed")
+        self.until_final(page)
+        self.assertEqual([], page.state["problems"])
+        page.drop_files(*self.part_of_view(page, .03, .05), self.file("t.gltf", json.dumps(GLTF)),
+                        self.file("t.bin", struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)))
+        wait_until(lambda: len(self.includes(page)) == 2, "the other model is placed")
+        self.until_final(page)
+        self.assertEqual([], page.state["problems"])
+        self.assertEqual(["m.mtl", "m.obj", "scene.tessera", "t.bin", "t.gltf", "wall.png"], self.names())
+        self.assertEqual(2, len(self.includes(page)))
+        self.assertIn('"m.obj"', self.includes(page)[0])
+        self.assertIn('"t.gltf"', self.includes(page)[1])
 
     def test_a_file_on_the_editor_is_opened(self):
         page = self.begin()
@@ -434,6 +459,30 @@ class Models(StudioPageTest):
                                 ".map((each) => each.textContent)")
         self.assertEqual(["a.obj", "b.obj"], options)
 
+    def test_a_file_outside_the_folder_of_the_scene_is_right(self):
+        (self.opened / "sub").mkdir()
+        (self.opened / "two.obj").write_text(TRIANGLE)
+        self.scene("sub/up.tessera", MODEL_SCENE.replace("a.obj", "../two.obj"))
+        for folder, options in ((self.opened, ()), (self.opened / "sub", ("--assets", self.opened))):
+            self.running = self.studio("--workers", 1, *options, path=folder)
+            page = self.visit(None)
+            page.click_on('[role="tab"]', "Files")
+            page.click_on('.panel-files [role="option"]', "up.tessera")
+            self.until_final(page)
+            self.assertEqual([], page.state["problems"])
+            page.click_on('[role="tab"]', "Models")
+            page.click_on('.panel-models [role="option"]', "two.obj")
+            page.press("Enter")
+            wait_until(lambda: page.has('dialog[aria-label="Two"]'), "the dialog of the model")
+            self.assertEqual([], self.faults(page))
+            self.fill(page, "Position y", "1.50")
+            page.press("Ctrl-Enter")
+            self.closed(page)
+            wait_until(lambda: "translate { y: 1.50 }" in page.script, "the text follows")
+            page.click_on('[role="tab"]', "Properties")
+            wait_until(lambda: page.evaluate(self.live(page, "File") + "?.value") == "../two.obj", "its properties")
+            self.assertFalse(page.has('[aria-invalid="true"]'))
+
     def live(self, page, label):
         """An expression for a field of the placement in the Properties panel."""
         return f"""[...document.querySelectorAll(".panel-properties .fields label.field")].find((each) =>
@@ -459,30 +508,6 @@ class Models(StudioPageTest):
         wait_until(lambda: "scale { x: 3 y: 3 z: 3 }" in page.script, "the scale follows")
         page.click_on('.panel-properties input[aria-label="Flip x"]')
         wait_until(lambda: "scale { x: -3 y: 3 z: 3 }" in page.script, "it is mirrored")
-    def test_a_file_outside_the_folder_of_the_scene_is_right(self):
-        (self.opened / "sub").mkdir()
-        (self.opened / "two.obj").write_text(TRIANGLE)
-        self.scene("sub/up.tessera", MODEL_SCENE.replace("a.obj", "../two.obj"))
-        for folder, options in ((self.opened, ()), (self.opened / "sub", ("--assets", self.opened))):
-            self.running = self.studio("--workers", 1, *options, path=folder)
-            page = self.visit(None)
-            page.click_on('[role="tab"]', "Files")
-            page.click_on('.panel-files [role="option"]', "up.tessera")
-            self.until_final(page)
-            self.assertEqual([], page.state["problems"])
-            page.click_on('[role="tab"]', "Models")
-            page.click_on('.panel-models [role="option"]', "two.obj")
-            page.press("Enter")
-            wait_until(lambda: page.has('dialog[aria-label="Two"]'), "the dialog of the model")
-            self.assertEqual([], self.faults(page))
-            self.fill(page, "Position y", "1.50")
-            page.press("Ctrl-Enter")
-            self.closed(page)
-            wait_until(lambda: "translate { y: 1.50 }" in page.script, "the text follows")
-            page.click_on('[role="tab"]', "Properties")
-            wait_until(lambda: page.evaluate(self.live(page, "File") + "?.value") == "../two.obj", "its properties")
-            self.assertFalse(page.has('[aria-invalid="true"]'))
-
         page.evaluate("document.querySelector('.panel-properties .fields select').focus()")
         page.type("red")
         wait_until(lambda: 'material: "red"' in page.script, "the material follows")

@@ -17,7 +17,7 @@ import { orderRenderOfPage, stopActive } from "./renders.js";
 import * as state from "./state.js";
 import * as compare from "./view/compare.js";
 import { showAll } from "./view/filter.js";
-import { zoom, zoomOut } from "./view/magnifier.js";
+import { zoom, zoomOut, zoomToPixels } from "./view/magnifier.js";
 import { expose } from "./view/exposure.js";
 import { walkChain } from "./view/picking.js";
 import { VIEW_COMMANDS } from "./view/view_commands.js";
@@ -137,7 +137,8 @@ const COMMANDS = [
   { name: "View: show all of the scene", keys: [], run: showAll },
   { name: "Zoom: enlarge the picture", keys: [], inView: ["Z"], run: () => zoom(state.activePane.peek(), 1) },
   { name: "Zoom: reduce the picture", keys: [], inView: ["Shift-Z"], run: () => zoom(state.activePane.peek(), -1) },
-  { name: "Zoom: 1:1, all of the picture", keys: [], inView: ["O"], run: () => zoomOut(state.activePane.peek()) },
+  { name: "Zoom: 1:1, a point of the screen for each pixel", keys: [], inView: ["O"], run: () => zoomToPixels(state.activePane.peek()) },
+  { name: "Zoom: fit, all of the picture", keys: [], inView: ["Shift-O"], run: () => zoomOut(state.activePane.peek()) },
   { name: "Exposure: half a stop more", keys: [], inView: ["]"], run: () => expose(0.5) },
   { name: "Exposure: half a stop less", keys: [], inView: ["["], run: () => expose(-0.5) },
   { name: "Export picture or scene…", keys: ["Alt-E"], run: () => (state.dialog.value = "export") },

@@ -50,7 +50,7 @@ function report() {
       samples: overrides.spp ?? summary?.samples ?? null,
       exposure: state.tone.peek()?.exposure ?? 0,
       toneMap: state.tone.peek()?.["tone-map"] ?? null,
-      zoom: state.main.zoom.peek().factor,
+      zoom: state.main.zoom.peek().scale === "fit" ? state.main.fit.peek() : state.main.zoom.peek().scale,
       pivot: pivot.peek() ?? null,
     },
     picture: {

@@ -1,6 +1,6 @@
 // Files from the desktop, dropped onto a panel: they are copied into the folder, and placed, shown or opened there.
 
-import { folderOf, isModelFile, isPicture, isText } from "./core/paths.js";
+import { folderOf, isCompanion, isModelFile, isPicture, isText } from "./core/paths.js";
 import * as documents from "./documents.js";
 import { addToScene } from "./entities.js";
 import * as program from "./program.js";
@@ -69,12 +69,15 @@ export async function take(files: readonly File[], target: Target, spot?: Spot):
   // What lies there is looked for before the first of them changes it.
   const seen = spot && state.sceneFile.peek() !== undefined ? await look(spot) : undefined;
   const beside = target === "Script" || target === "Files" ? state.activeFile.peek() : state.sceneFile.peek();
-  for (const file of files) {
+  // A scene reads a model as soon as it includes it: the files that the model names come before.
+  const companions = files.filter(({ name }) => isCompanion(name) || isPicture(name));
+  for (const file of [...companions, ...files.filter((each) => !companions.includes(each))]) {
     const name = await upload(file, folderOf(beside ?? ""));
     if (name === undefined) continue;
     if (target === "Files") state.notify(`Copied: ${name}`);
     else if (target === "Script") open(name);
-    else place(name, seen, spot !== undefined);
+    else if (isCompanion(name)) state.notify(`Copied: ${name}. It belongs to a model, which is what scenes include.`);
+    else place(name, seen, spot !== undefined && companions.length === files.length);
   }
 }
 

@@ -26,7 +26,7 @@ import type {
 } from "./core/protocol.js";
 import { SIDES, type Side } from "./core/camera.js";
 import type { Zoom } from "./core/zoom.js";
-import { WHOLE } from "./core/zoom.js";
+import { fitScale, shown, WHOLE } from "./core/zoom.js";
 import type { Painted } from "./worker/messages.js";
 
 export type Connection = "connecting" | "open" | "lost" | "refused";
@@ -86,7 +86,13 @@ export class Pane {
   /** Of what there is for it on the screen, in the screen's pixels; 0 where the pane is not seen. */
   readonly area = signal<[number, number]>([0, 0]);
   readonly camera = signal<CameraWish>(null);
+  /** The same in points of the screen, which several of its pixels may make. */
+  readonly points = signal<[number, number]>([0, 0]);
   readonly zoom = signal<Zoom>(WHOLE);
+  /** The scale at which all of the picture is seen. */
+  readonly fit = computed(() => fitScale(this.points.value, this.size.value));
+  /** The part of the picture that is seen. */
+  readonly shown = computed(() => shown(this.zoom.value, this.fit.value));
   /** The pixel that is pointed at. */
   readonly pointer = signal<[number, number] | undefined>(undefined);
   /** Whether keys move the pointer, as a cross-hair. */

@@ -110,7 +110,7 @@ class Session {
       this.socket.end(webSocketFrame(8, Buffer.from([4401 >> 8, 4401 & 255])));
       return;
     }
-    this.say("welcome", { id: RUN, program: "tessera 0.1.0", folder: scenes, file: process.env.STAND_IN_FILE, read_only: false, limits: { side: 65536, spp: 1048576, "max-depth": 10000, workers: 1024, nice: 19, frames: 100000 }, choices: { channel: ["light", "depth"], integrator: ["auto", "path"] }, workers_nice: 10, workspace: {}, settings: JSON.parse(process.env.STAND_IN_SETTINGS ?? "{}"), workers: 2, endings: [] });
+    this.say("welcome", { id: RUN, program: "tessera 0.1.0", folder: scenes, file: process.env.STAND_IN_FILE, read_only: false, limits: { side: 65536, view_side: 16384, spp: 1048576, "max-depth": 10000, workers: 1024, nice: 19, frames: 100000 }, choices: { channel: ["light", "depth"], integrator: ["auto", "path"] }, workers_nice: 10, workspace: {}, settings: JSON.parse(process.env.STAND_IN_SETTINGS ?? "{}"), workers: 2, endings: [] });
     for (const file of Object.keys(have ?? {})) this.on_open({ file });
     this.say("workers", { list: [
       { name: "local-1", state: "tracing", threads: 1, rays_per_second: 1.2e6, tiles: 214, memory: 48e6 },

@@ -19,7 +19,7 @@ class ChannelViewTest : public testing::Test {
     std::copy(values.begin(), values.end(), film_.values().subspan(at).begin());
   }
   std::vector<uint8_t> pixels(ViewChannel channel) const {
-    return channel_pixels(film_, film_.rect(), legend_of(film_, channel, {}), {});
+    return channel_pixels(film_, film_.rect(), legend_of(film_, channel, {}, 4), {});
   }
 
   Film film_{{0, 0, 2, 1}, AovSet::all()};
@@ -45,7 +45,7 @@ TEST_F(ChannelViewTest, NormalsAreColoursAroundGrey) {
 TEST_F(ChannelViewTest, DepthGoesFromDarkBlueToYellowAndIsBlackWhereThereIsNone) {
   set(0, Aov::depth, {2});
   set(1, Aov::depth, {32});
-  const Legend legend = legend_of(film_, ViewChannel::depth, {});
+  const Legend legend = legend_of(film_, ViewChannel::depth, {}, 1);
   EXPECT_TRUE(legend.is_scale);
   EXPECT_EQ(legend.low, 2);
   EXPECT_EQ(legend.high, 32);
@@ -58,9 +58,9 @@ TEST_F(ChannelViewTest, DepthGoesFromDarkBlueToYellowAndIsBlackWhereThereIsNone)
 
 TEST_F(ChannelViewTest, TheErrorIsThatOfTheMeanRelativeToDisplayWhite) {
   set(0, Aov::variance, {0.04F, 0.04F, 0.04F});
-  EXPECT_NEAR(legend_of(film_, ViewChannel::error, {}).high, 0.2, 1e-6);
-  EXPECT_NEAR(legend_of(film_, ViewChannel::error, {.exposure = 1}).high, 0.4, 1e-6);
-  EXPECT_EQ(legend_of(film_, ViewChannel::error, {}).low, 0);
+  EXPECT_NEAR(legend_of(film_, ViewChannel::error, {}, 4).high, 0.2, 1e-6);
+  EXPECT_NEAR(legend_of(film_, ViewChannel::error, {.exposure = 1}, 4).high, 0.4, 1e-6);
+  EXPECT_EQ(legend_of(film_, ViewChannel::error, {}, 4).low, 0);
 }
 
 TEST_F(ChannelViewTest, NeighbouringObjectsHaveOtherColours) {
@@ -96,6 +96,27 @@ TEST_F(ChannelViewTest, AnotherChannelOfAFilmThatHasItIsShownAtOnce) {
   EXPECT_EQ(told.back().high, 5);
   EXPECT_EQ(sink->frames[1]->substr(32), std::string("\x44\x01\x54\xff\xfd\xe7\x25\xff"));
   EXPECT_EQ(stream.value_at({}, 1, 0)->values.size(), static_cast<size_t>(film_.channels()));
+}
+
+TEST_F(ChannelViewTest, TheErrorOfOneSampleAPixelIsToldToBeUnknown) {
+  const auto sink = std::make_shared<Sink>();
+  std::vector<Legend> told;
+  PictureStream stream([sink](ClientId) { return sink; },
+                       [&told](const ViewId&, const Legend& legend) { told.push_back(legend); });
+  const auto show = [&](uint32_t serial, uint32_t samples) {
+    stream.begin({}, {.serial = serial, .pass = {.scale = 1, .samples = samples}});
+    stream.finish({}, serial, std::make_shared<const Film>(film_.with_only(film_.aovs())));
+    return told.back().is_known;
+  };
+  for (const ViewChannel channel : {ViewChannel::error, ViewChannel::variance}) {
+    stream.set_output({}, {}, channel);
+    EXPECT_FALSE(show(1, 1));
+    EXPECT_TRUE(told.back().steps.empty());
+    EXPECT_TRUE(show(2, 4));
+    EXPECT_EQ(told.back().high, 0) << "pixels that do not differ have no error";
+  }
+  stream.set_output({}, {}, ViewChannel::depth);
+  EXPECT_TRUE(show(3, 1));
 }
 
 TEST_F(ChannelViewTest, LightThatCountsWorkHasAScaleAsLongAsItDoes) {

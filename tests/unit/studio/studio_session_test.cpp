@@ -98,6 +98,7 @@ TEST_F(StudioSessionTest, WhoSaysNoHelloTakesLittle) {
 
 TEST_F(StudioSessionTest, AViewIsNoLargerThanTheLimit) {
   connect(1, "see");
+  const int most = heard(1, "welcome").at(0)["limits"].value("view_side", 0);
   const auto view = [](int width, int height) -> Json {
     return {{"view", {{"pane", 0}, {"file", "a.tessera"}, {"size", {width, height}}}}};
   };
@@ -106,6 +107,10 @@ TEST_F(StudioSessionTest, AViewIsNoLargerThanTheLimit) {
   say(1, view(7681, 4320));
   EXPECT_EQ(heard(1, "refused").size(), 1u);
   say(1, view(16384, 16384));
+  EXPECT_EQ(heard(1, "refused").size(), 1u);
+  say(1, view(most, 1));
+  EXPECT_TRUE(heard(1, "refused").empty());
+  say(1, view(1, most + 1));
   EXPECT_EQ(heard(1, "refused").size(), 1u);
 }
 

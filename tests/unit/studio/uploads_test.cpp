@@ -55,6 +55,15 @@ TEST_F(StudioUploads, NoFileIsWrittenOver) {
   EXPECT_EQ(files(), 4u) << "what was given up leaves nothing";
 }
 
+TEST_F(StudioUploads, TheNumbersOfAModelAreTaken) {
+  Uploads uploads(folder_);
+  for (const char* const name : {"a.gltf", "a.bin", "b.BIN"}) {
+    uploads.begin(1, 1, name, 1);
+    EXPECT_TRUE(uploads.append(1, 1, "1", true).is_whole);
+  }
+  EXPECT_EQ(files(), 3u);
+}
+
 TEST_F(StudioUploads, WhatIsGivenUpLeavesNothing) {
   Uploads uploads(folder_);
   uploads.begin(1, 1, "a.obj", 5);

@@ -419,6 +419,8 @@ export interface Legend {
   pane: number;
   channel: string;
   scale: boolean;
+  /** Whether the picture tells the channel, as errors are told from two samples a pixel on; else the numbers say nothing. */
+  known: boolean;
   low: number;
   high: number;
   mean: number;

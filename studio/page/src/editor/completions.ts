@@ -3,8 +3,8 @@
 
 import type { Extension } from "@codemirror/state";
 import { EditorState } from "@codemirror/state";
-import type { CompletionContext, CompletionResult } from "@codemirror/autocomplete";
-import { hoverTooltip, type Tooltip } from "@codemirror/view";
+import { completionStatus, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import { EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
 import type { Completions } from "../core/protocol.js";
 import { candidates, picturesFor } from "../models.js";
 import { ask } from "../questions.js";
@@ -75,12 +75,23 @@ async function explain(file: string, position: number): Promise<Tooltip | null> 
   };
 }
 
+/** The list of completions scrolls: keys reach it by Tab, as every region that scrolls. */
+const focusableList = EditorView.updateListener.of(({ state, view }) => {
+  if (completionStatus(state) !== "active") return;
+  view.requestMeasure({
+    key: "focusable list",
+    read: () => view.dom.querySelector<HTMLElement>(".cm-tooltip-autocomplete > ul"),
+    write: (list) => list && (list.tabIndex = 0),
+  });
+});
+
 export function completions(file: string): Extension {
   // One function for all times: answers are told apart by who gave them.
   const autocomplete = (context: CompletionContext) => wordsOfProgram(file, context);
   const data = [{ autocomplete }];
   return [
     EditorState.languageData.of(() => data),
+    focusableList,
     hoverTooltip((_view, position) => explain(file, position), { hideOnChange: true }),
   ];
 }

@@ -38,7 +38,7 @@ function CrossHair({ pane }: { pane: state.Pane }) {
   const at = pane.pointer.value;
   const [width, height] = pane.size.value;
   if (!pane.hasCrossHair.value || !at) return null;
-  const [right, down] = frameAt(pane.zoom.value, (at[0] + 0.5) / width, (at[1] + 0.5) / height);
+  const [right, down] = frameAt(pane.shown.value, (at[0] + 0.5) / width, (at[1] + 0.5) / height);
   return <div class="crosshair" aria-hidden="true" style={{ left: `${right * 100}%`, top: `${down * 100}%` }} />;
 }
 

@@ -5,6 +5,7 @@ import * as state from "../state.js";
 export function Legend() {
   const { value: legend } = state.legend;
   if (!legend || !legend.scale || (legend.channel !== state.channel.value && legend.channel !== "cost")) return null;
+  if (!legend.known) return <div class="legend">{`${legend.channel}: unknown yet, as each pixel has one sample`}</div>;
   return (
     <div class="legend" role="img" aria-label={`${legend.channel}: from ${short(legend.low)} to ${short(legend.high)}, mean ${short(legend.mean)}`}>
       <i />

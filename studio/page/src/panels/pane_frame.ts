@@ -12,7 +12,7 @@ import { drawOutlines } from "../view/parts.js";
 import { drawWorkerTiles } from "../view/worker_tiles.js";
 import type { Layer } from "../worker/messages.js";
 
-const KEYS = "Arrows orbit, W A S D Q E move, plus and minus dolly, Home is the scene's camera, Z enlarges. Enter shows a cross-hair, which arrows move and Enter picks with.";
+const KEYS = "Arrows orbit, W A S D Q E move, plus and minus dolly, Home is the scene's camera, Z enlarges. Enter shows a cross-hair, which arrows move, Enter picks with and X makes the pivot. Alt, Shift and arrows look around.";
 const SIDE_KEYS = "Arrows move it, plus and minus enlarge what is seen, 1 2 3 are top, front and side, Home shows all. Enter shows a cross-hair, which arrows move and Enter picks with.";
 const frames = new Map<Pane, HTMLElement>();
 
@@ -41,7 +41,7 @@ function addComparison(sheet: HTMLElement, pane: Pane): void {
     const { value: mode } = compare.mode;
     pinned.hidden = mode !== "pinned" && mode !== "wipe";
     difference.hidden = mode !== "difference";
-    const [share] = pictureAt(pane.zoom.value, compare.wipe.value, 0);
+    const [share] = pictureAt(pane.shown.value, compare.wipe.value, 0);
     pinned.style.clipPath = mode === "wipe" ? `inset(0 ${(1 - share) * 100}% 0 0)` : "";
   });
 }
@@ -82,7 +82,7 @@ export function paneFrame(pane: Pane): HTMLElement {
   tiles.setAttribute("aria-hidden", "true");
   drawWorkerTiles(pane, tiles);
   effect(() => {
-    sheet.style.transform = transformOf(pane.zoom.value);
+    sheet.style.transform = transformOf(pane.shown.value);
   });
   watchPointer(pane, { frame, sheet });
   frame.addEventListener("keydown", (event) => {

@@ -44,9 +44,8 @@ function SideChoice({ pane, side }: { pane: state.Pane; side: Side }) {
 /** A picture of another shape than its pane has the largest part of it that is of its own. */
 function fitted(pane: state.Pane) {
   const [width, height] = pane.size.value;
-  const [across, down] = pane.area.value;
-  const scale = Math.min(across / width, down / height);
-  return scale > 0 ? { width: `${(100 * width * scale) / across}%`, height: `${(100 * height * scale) / down}%` } : {};
+  const { value: scale } = pane.fit;
+  return width > 0 && pane.area.value[0] > 0 ? { width: `${width * scale}px`, height: `${height * scale}px` } : {};
 }
 
 function PaneView({ pane }: { pane: state.Pane }) {

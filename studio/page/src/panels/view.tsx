@@ -1,10 +1,11 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { viewWords, type ViewWords } from "../core/view_words.js";
+import { scaleWords } from "../core/zoom.js";
 import { isReading } from "../reading.js";
 import * as state from "../state.js";
 import { filterWords, showAll } from "../view/filter.js";
-import { zoomOut } from "../view/magnifier.js";
+import { zoomOut, zoomToPixels } from "../view/magnifier.js";
 import { moveCamera, pauseOrResume, refresh, sceneCameras, stop, titleOfCamera } from "../view/wish.js";
 import { Chain } from "./chain.js";
 import { PinButton } from "./compare.js";
@@ -22,8 +23,8 @@ export function currentWords(): ViewWords {
   return viewWords({
     connection: state.connection.value,
     file: state.sceneFile.value,
-    job: state.job.value,
     shown: state.main.shownFile.value,
+    job: state.job.value,
     progress: state.progress.value,
     paused: state.paused.value,
     reading: isReading.value,
@@ -72,9 +73,14 @@ function Filtered() {
 
 function Zoomed() {
   const pane = state.activePane.value;
-  const { factor } = pane.zoom.value;
-  if (factor === 1) return null;
-  return <button type="button" aria-label={`Enlarged ${factor} times: back to 1:1`} title="Back to 1:1 (O)" onClick={() => zoomOut(pane)}>{factor}:1</button>;
+  const { scale } = pane.zoom.value;
+  const { value: fit } = pane.fit;
+  if (scale !== "fit") {
+    const words = scaleWords(scale);
+    return <button type="button" aria-label={`${words}: back to all of the picture`} title="Back to all of the picture (Shift-O)" onClick={() => zoomOut(pane)}>{words}</button>;
+  }
+  if (fit === 1 || pane.size.value[0] === 0) return null;
+  return <button type="button" aria-label={`fit: all of the picture, ${scaleWords(fit)}; show it 1:1`} title={`All of the picture, ${scaleWords(fit)}; 1:1 (O)`} onClick={() => zoomToPixels(pane)}>fit</button>;
 }
 
 export function ViewPanel() {

@@ -73,7 +73,7 @@ function Side({ side, other, label }: { side: "width" | "height"; other: "width"
   const also = (value: number) => (value * beside > most ? `at most ${Math.floor(most / beside)} beside ${beside}` : undefined);
   return (
     <Setting name={side}>
-      <NumberField label={label} text={String(size[side] ?? "")} placeholder={size[other] === undefined ? "as the pane" : "scene says"} optional rules={{ whole: true, range: [1, state.mostOf("side")], also }} commit={(text) => setSize(side, number(text))} />
+      <NumberField label={label} text={String(size[side] ?? "")} placeholder={size[other] === undefined ? "as the pane" : "scene says"} optional rules={{ whole: true, range: [1, state.mostOf("view_side")], also }} commit={(text) => setSize(side, number(text))} />
     </Setting>
   );
 }

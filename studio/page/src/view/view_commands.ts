@@ -7,6 +7,7 @@ import * as state from "../state.js";
 import { boundsOf, whenPlacesAreKnown } from "./filter.js";
 import { pan, toggleCrossHair } from "./magnifier.js";
 import { change, turn } from "./navigation.js";
+import { pick } from "./picking.js";
 import { isPanoramic, moveCamera, setPivot } from "./wish.js";
 
 /** Of the frame, which a key moves the enlarged picture by. */
@@ -45,6 +46,17 @@ function orbit(right: number, over: number): (pane: state.Pane, step: Step) => u
       const share = ((camera.orthographic ?? 1) * degrees) / 100;
       return maths.move(camera, -right * share, over * share, 0);
     });
+}
+
+/** Turns the camera where it stands; what looks along an axis goes on doing so. */
+function look(right: number, over: number): Act {
+  return (pane) => pane.side.peek() === undefined && change(pane, (camera) => maths.look(camera, right * COARSE.degrees, over * COARSE.degrees));
+}
+
+/** What is seen at the cross-hair or under the pointer, or else in the middle, is orbited about. */
+function pivotAtCrossHair(pane: state.Pane): void {
+  const [width, height] = pane.size.peek();
+  pick(pane, ...(pane.pointer.peek() ?? ([width >> 1, height >> 1] as const)), true);
 }
 
 function move(right: number, up: number, forward: number): (pane: state.Pane, step: Step) => unknown {
@@ -98,6 +110,11 @@ export const VIEW_COMMANDS: readonly ViewCommand[] = [
   ...stepped("Camera: move to the right", "D", move(1, 0, 0)),
   ...stepped("Camera: move down", "Q", move(0, -1, 0)),
   ...stepped("Camera: move up", "E", move(0, 1, 0)),
+  command("Camera: look to the left", "Alt-Shift-Left", look(1, 0)),
+  command("Camera: look to the right", "Alt-Shift-Right", look(-1, 0)),
+  command("Camera: look upwards", "Alt-Shift-Up", look(0, 1)),
+  command("Camera: look downwards", "Alt-Shift-Down", look(0, -1)),
+  command("Camera: set the pivot at the cross-hair", "X", pivotAtCrossHair),
   command("Camera: nearer", "+", (pane) => change(pane, (camera) => maths.dolly(camera, 1 / 1.12))),
   command("Camera: farther", "-", (pane) => change(pane, (camera) => maths.dolly(camera, 1.12))),
   command("Camera: from the top", "1", see("top")),

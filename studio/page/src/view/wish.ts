@@ -191,6 +191,7 @@ export function resized(pane: state.Pane, width: number, height: number): void {
   const ratio = Math.min(screen, Math.sqrt(state.mostOf("pixels") / Math.max(1, width * height)));
   const whole = ratio < screen ? Math.floor : Math.round;
   const area: [number, number] = [whole(width * ratio), whole(height * ratio)];
+  pane.points.value = [width, height];
   const old = pane.area.peek();
   if (area[0] !== old[0] || area[1] !== old[1]) pane.area.value = area;
 }
