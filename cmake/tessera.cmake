@@ -96,9 +96,9 @@ function(tessera_module path)
   endif()
   # These wait for people and sockets: compiling them is worth less time than what traces and reads scenes. Where GCC 12
   # looks less closely, it takes more for uninitialized.
-  if(sources AND path MATCHES "^(web|studio|bench/studio|front|cli|coordinator/web|scenes/edit)")
-    target_compile_options(${target} PRIVATE
-      "$<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-O1;-Wno-maybe-uninitialized>")
+  if(sources AND path MATCHES "^(web|studio|bench/studio|front|cli|coordinator/web|scenes/edit)"
+     AND (CMAKE_BUILD_TYPE STREQUAL "Release" OR TESSERA_SANITIZE))
+    target_compile_options(${target} PRIVATE -O1 "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
   endif()
   string(REPLACE "/" "_" uses "${MODULE_USES}")
   target_link_libraries(${target} ${scope} tessera_flags ${uses} ${MODULE_LINKS})

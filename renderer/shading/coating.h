@@ -36,7 +36,7 @@ class Coating {
   double share_ = 0, alpha_ = 0;
   bool viewer_is_under_ = false;
   Facets under_;
-  double passed_o_ = 1;                  ///< towards the viewer
+  double passed_o_ = 1;                    ///< towards the viewer
   double white_o_ = 1, dielectric_o_ = 1;  ///< the same of facets of either kind
 };
 

@@ -44,8 +44,7 @@ RoughGlassLobe::RoughGlassLobe(const GlassSide& glass, double alpha, const Glass
   between_ = lost(glass.from_inside, glass.wo.z);
   if (between_ > 0) goes_through_ = lost_to(true, glass.from_inside, glass.wo.z) / between_;
   if (!albedo_ || !glass.coat.viewer_is_under()) return;
-  turned_back_ =
-      glass.coat.share() * albedo_->turned_back(glass.coat.alpha(), alpha, glass.wo.z);
+  turned_back_ = glass.coat.share() * albedo_->turned_back(glass.coat.alpha(), alpha, glass.wo.z);
   mean_turned_back_ = albedo_->mean_turned_back(glass.coat.alpha(), alpha);
 }
 

@@ -64,8 +64,10 @@ Lobes classic_lobes(const BsdfPoint& point, const Vec3& wo, const Vec3& normal) 
     const Color between = lost > kLeastLost ? reflectance.f0 / lost : kBlack;
     const FacetAlbedo facets_o = facets.towards(wo.z);
     if (!is_black(base) || !is_black(between))
-      add<EvenLobe>(lobes, base, between, normal, EvenLobe::Above{.facets = facets, .facets_o = facets_o});
-    add<FacetLobe>(lobes, wo, facets.alpha, reflectance, 1., facet_weight(reflectance.f0, facets_o));
+      add<EvenLobe>(lobes, base, between, normal,
+                    EvenLobe::Above{.facets = facets, .facets_o = facets_o});
+    add<FacetLobe>(lobes, wo, facets.alpha, reflectance, 1.,
+                   facet_weight(reflectance.f0, facets_o));
   }
   add_mirror(wo, material.reflectivity * scale, 1, lobes);
   if (through > 0) add_glass(glass_of(point, wo, through * scale), 0, nullptr, lobes);
@@ -91,14 +93,14 @@ void add_metal_and_plastic(const Material& material, const Color& color, double 
   const double left = above.under.left(mean);
   const Color base = left > kLeastLost ? color * (dielectric / left) : kBlack;
   const Color between = facets.between(color) * metal + dielectric_between * dielectric;
-  if (!is_black(base) || !is_black(between))
-    add<EvenLobe>(lobes, base, between, normal, above);
+  if (!is_black(base) || !is_black(between)) add<EvenLobe>(lobes, base, between, normal, above);
   const FacetReflectance reflectance{FacetReflectance::Kind::schlick,
                                      (kWhite * (f0 * dielectric) + color * metal) / kept};
   const Color towards_viewer = reflectance.at(wo.z) * kept;
   if (facets.alpha > 0) {
     const double weight = facet_weight(towards_viewer * coat.below(), facets_o);
-    add<FacetLobe>(lobes, wo, facets.alpha, reflectance, kept, weight, CoatOverFacets{coat, dielectric, f0});
+    add<FacetLobe>(lobes, wo, facets.alpha, reflectance, kept, weight,
+                   CoatOverFacets{coat, dielectric, f0});
   } else {
     add_mirror(wo, towards_viewer, coat.below(), lobes);
   }
@@ -147,8 +149,10 @@ Lobes conductor_lobes(const Material& material, const Vec3& wo, const Vec3& norm
   const FacetAlbedo facets_o = facets.towards(wo.z);
   const Color between = facets.between(reflectance.at(1));
   if (!is_black(between))
-    add<EvenLobe>(lobes, kBlack, between, normal, EvenLobe::Above{.facets = facets, .facets_o = facets_o});
-  add<FacetLobe>(lobes, wo, facets.alpha, reflectance, 1., facet_weight(reflectance.at(wo.z), facets_o));
+    add<EvenLobe>(lobes, kBlack, between, normal,
+                  EvenLobe::Above{.facets = facets, .facets_o = facets_o});
+  add<FacetLobe>(lobes, wo, facets.alpha, reflectance, 1.,
+                 facet_weight(reflectance.at(wo.z), facets_o));
   return lobes;
 }
 
