@@ -95,7 +95,7 @@ class Converter {
     if (opposite < 1 - kMtlRounding || model_.refracts || (model_.glass && model_.mirror))
       return false;
     warnings_.repair(
-        fmt::format("{:g}, of which nothing would be seen", opposite), "a share below 1, or d",
+        fmt::format("{:g}, so that nothing would be seen", opposite), "a share below 1, or d",
         "0 is taken", [this] { return entry_.transparency_place; }, "Tr");
     return true;
   }

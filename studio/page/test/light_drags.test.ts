@@ -13,7 +13,7 @@ function know(...fields: Field[]): void {
   state.fields.value = { file: FILE, version: 1, entity: background.id, fields };
 }
 
-/** A drag over the picture, in the midst of which the program tells the fields of what is selected. */
+/** A drag over the picture, during which the program tells the fields of what is selected. */
 function drag(...fields: Field[]): void {
   state.notices.value = [];
   state.fields.value = undefined;

@@ -71,7 +71,7 @@ TEST(Mtl, WhollyTransparentByTrAloneIsOpaque) {
   EXPECT_EQ(materials.at("clear").classic().transparency().value(), 1);
   EXPECT_EQ(materials.at("glass").classic().transparency().value(), 1);
   EXPECT_EQ(warnings.list("t.mtl"),
-            std::vector<std::string>{"t.mtl:3:4: Tr: 1, of which nothing would be seen; expected a "
+            std::vector<std::string>{"t.mtl:3:4: Tr: 1, so that nothing would be seen; expected a "
                                      "share below 1, or d; 0 is taken (2 times)"});
 }
 
