@@ -15,9 +15,9 @@ from tessera_process import wait_until
 
 class LookTest(StudioPageTest):
     def on_picture(self, page, right, down):
-        """A point of the picture's frame, by shares of its sides."""
+        """A point of the picture's frame, by shares of its sides; whole, as wheels and clicks are told."""
         _, _, x, y, width, height = page.box(".view-frame")
-        return x + right * width, y + down * height
+        return math.ceil(x + right * width), math.ceil(y + down * height)
 
     def film(self, width, height, *options, file="scene.tessera"):
         """The channels that `tessera render` makes."""
@@ -216,7 +216,7 @@ class Zoom(LookTest):
         frame = page.box(".view-frame")[4]
         self.assertLess(frame, 800)
         wait_until(lambda: page.has(".view-bar button", "fit"), "that it is reduced is told")
-        self.assertAlmostEqual(frame, sheet(), delta=1)
+        self.assertEqual(frame, sheet())
         page.click_on(".view-bar button", "fit")
         self.zoomed(page, 1)
         self.assertAlmostEqual(1600, sheet(), delta=1e-3)

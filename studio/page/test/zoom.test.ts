@@ -24,6 +24,8 @@ test("scales are points of the screen for a pixel of the picture", () => {
   assert.equal(fitScale([275, 300], [1600, 900]), 275 / 1600);
   assert.equal(fitScale([600, 400], [64, 36]), 600 / 64);
   assert.equal(fitScale([300, 200], [600, 400]), 0.5, "of a screen that has two pixels a point");
+  assert.equal(fitScale([275.6, 300], [1600, 900]), 275 / 1600, "whole points wide");
+  assert.equal(fitScale([300, 100], [10, 1000]), 1 / 10, "and a point at least");
   assert.equal(fitScale([0, 0], [600, 400]), 1);
   assert.equal(fitScale([600, 400], [0, 0]), 1);
   // The frame is 275 points wide, and the sheet as wide as 1600 pixels of one point.

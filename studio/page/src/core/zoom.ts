@@ -15,13 +15,15 @@ const SCALES = [1 / 64, 1 / 48, 1 / 32, 1 / 24, 1 / 16, 1 / 12, 1 / 8, 1 / 6, 1 
 
 type Size = readonly [width: number, height: number];
 
-/** The scale at which a picture of so many pixels fills a place of so many points. One of SCALES by which the
-    picture is less than a point larger or smaller is taken in its stead; 1 where either has no size yet. */
+/** The scale at which a picture of so many pixels fills a place of so many points, and is whole points wide: browsers
+    round other widths, and what is shown would not be at the scale that is told. One of SCALES by which the picture is
+    less than a point larger or smaller is taken in its stead; 1 where either has no size yet. */
 export function fitScale(points: Size, pixels: Size): number {
   const [across, down] = [points[0] / pixels[0], points[1] / pixels[1]];
   const fit = Math.min(across, down);
   if (!(fit > 0 && Number.isFinite(fit))) return 1;
-  return SCALES.find((each) => Math.abs(each - fit) * (across < down ? pixels[0] : pixels[1]) < 1) ?? fit;
+  const near = SCALES.find((each) => Math.abs(each - fit) * (across < down ? pixels[0] : pixels[1]) < 1);
+  return near ?? Math.max(1, Math.floor(fit * pixels[0])) / pixels[0];
 }
 
 /** The part of a picture that its frame shows; `factor`: how many times larger than the whole picture would be. */
