@@ -37,13 +37,14 @@ SampleEncoding encoding_of(const std::string& name) {
 /// empty: none.
 std::tuple<Array, bool, std::vector<std::string>> read_texture(const std::string& path,
                                                                const std::string& encoding) {
-  auto [decoded, warnings] =
+  auto [decoded, notes] =
       run_abandonably([path, encoding = encoding_of(encoding)](const std::atomic<bool>&) {
         DecodedTexture read = decode_texture(path, false);
-        std::vector<std::string> told = prepare_picture(read, encoding);
+        std::vector<PictureNote> told = prepare_picture(read, encoding);
         return std::pair(std::move(read), std::move(told));
       });
-  for (std::string& warning : warnings) warning.insert(0, path + ": ");
+  std::vector<std::string> warnings;
+  for (const PictureNote& note : notes) warnings.push_back(path + ": " + note.what);
   return {array_of(decoded), decoded.meaning.is_associated, std::move(warnings)};
 }
 

@@ -112,7 +112,8 @@ AssetFolder::Found AssetFolder::find_asset(const std::string& reference) const {
       if (!name) continue;
       auto file = find(*name);
       if (!file || !is_input_file(*file)) continue;
-      found.note = fmt::format("'{}' is not there; '{}' is taken for it", reference,
+      found.note = fmt::format("'{}' is not {}; '{}' is taken for it", reference,
+                               found.file ? "there" : fmt::format("inside {}", shown_root()),
                                file->lexically_relative(root).generic_string());
       found.file = std::move(file);
       return found;

@@ -99,19 +99,20 @@ std::string mend_numbers(DecodedTexture& picture) {
                      count == 1 ? "" : fmt::format(", like {}", counted(count - 1, "more number")));
 }
 
-std::vector<std::string> prepare_picture(DecodedTexture& picture, SampleEncoding encoding) {
-  std::vector<std::string> notes;
-  if (!picture.part_note.empty()) notes.push_back(picture.part_note);
+std::vector<PictureNote> prepare_picture(DecodedTexture& picture, SampleEncoding encoding) {
+  std::vector<PictureNote> notes;
+  if (!picture.part_note.empty()) notes.push_back({picture.part_note});
   if (!picture.damage.empty())
-    notes.push_back(fmt::format("it is damaged, and read as far as it goes: {}", picture.damage));
+    notes.push_back(
+        {fmt::format("it is damaged, and read as far as it goes: {}", picture.damage), true});
   if (picture.gamma > 0 && encoding != SampleEncoding::linear)
-    notes.push_back(fmt::format(
+    notes.push_back({fmt::format(
         "its codes have gamma {:.5g} (gAMA) by what the file says; they are read as those of sRGB",
-        picture.gamma));
+        picture.gamma)});
   decode_picture(picture, encoding);
   // After, as the curve makes numbers of floats infinite that are large.
   if (std::string mended = mend_numbers(picture); !mended.empty())
-    notes.push_back(std::move(mended));
+    notes.push_back({std::move(mended), true});
   return notes;
 }
 

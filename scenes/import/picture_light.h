@@ -24,9 +24,15 @@ void decode_picture(DecodedTexture& picture, SampleEncoding encoding);
 /// warn of, with the first pixel; empty where there was nothing.
 std::string mend_numbers(DecodedTexture& picture);
 
-/// Both of these, for a picture as its file has it. Returns what to warn of: numbers that were
-/// mended, and where it is read otherwise than the file says: another part than the first, or codes
-/// of another gamma than sRGB's, which is not followed.
-std::vector<std::string> prepare_picture(DecodedTexture& picture, SampleEncoding encoding);
+/// What to warn of a picture.
+struct PictureNote {
+  std::string what;
+  bool is_repair = false;  ///< something that is wrong with its file was mended
+};
+
+/// Both of these, for a picture as its file has it. Returns what to warn of: damage and numbers
+/// that were mended, and where it is read otherwise than the file says: another part than the
+/// first, or codes of another gamma than sRGB's, which is not followed.
+std::vector<PictureNote> prepare_picture(DecodedTexture& picture, SampleEncoding encoding);
 
 }  // namespace tessera

@@ -44,7 +44,7 @@ struct StoredTexture {
   v1::Texture::Image image;
   BlobStore blobs;
   std::vector<std::string> unused_channels;
-  std::vector<std::string> warnings;
+  std::vector<PictureNote> notes;
 };
 
 /// What is told of the channels of a file that no texture shows.
@@ -109,7 +109,7 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
         const bool is_srgb = image.encoding() == v1::Texture::Image::ENCODING_SRGB;
         StoredTexture stored;
         stored.unused_channels = decoded.unused_channels;
-        stored.warnings = prepare_picture(decoded, sample_encoding(image));
+        stored.notes = prepare_picture(decoded, sample_encoding(image));
         if (kept) keep_channel(decoded, *kept, is_srgb);
         stored.image = store(std::move(decoded), image, stored.blobs);
         return stored;
@@ -123,8 +123,10 @@ void load_textures(LoadedScene& loaded, const AssetFolder& assets, const ReadOpt
           [](const StoredTexture& made) { return made.image.texels().size(); });
       for (const auto& [digest, blob] : stored->blobs.all()) loaded.blobs.put(digest, blob);
       at->second = stored->image;
-      for (const std::string& warning : stored->warnings) {
-        if (told.emplace(file, warning).second) add_warning(loaded, file.string(), warning);
+      for (const auto& [what, is_repair] : stored->notes) {
+        if (!told.emplace(file, what).second) continue;
+        add_warning(loaded, file.string(), what);
+        if (is_repair) loaded.repairs.push_back(loaded.warning_diagnostics.back());
       }
       if (!stored->unused_channels.empty() && told.emplace(file, "").second)
         loaded.unused.push_back(unused_text(stored->unused_channels, image.file()));

@@ -2,6 +2,7 @@
 """Wrong files, names, sizes and places: one clear line, the right exit code, nothing half-written."""
 import base64
 import json
+import math
 import re
 import resource
 import shutil
@@ -271,6 +272,11 @@ class BadScenes(TesseraTest):
             self.assertNotIn("warning", result.err)
         self.assertEqual(0, self.run_program("info", self.write("good.tessera", "nodes { shape { sphere { } } }"),
                                              "--strict").code)
+        self.write("endless.exr", stored_pictures.exr({"R": math.inf, "G": 1, "B": 1}))
+        pictured = self.write("pictured.tessera", 'textures { name: "t" image { file: "endless.exr" } }')
+        told = "endless.exr: pixel 0,0 has the number inf and is read as 65504"
+        self.assertIn(told, self.run_program("info", pictured).out)
+        self.assert_error(self.run_program("info", pictured, "--strict"), 1, told)
 
     def test_not_finite(self):
         self.refused("scene.tessera", "nodes { shape { sphere { radius: nan } } }\n")

@@ -207,16 +207,18 @@ class StoredSamples(TesseraTest):
                         self.assertAlmostEqual(wanted, is_, delta=row.near)
 
     def test_what_loses_a_little_is_codes_too(self):
-        """JPEG, and WebP, whose alpha OpenImageIO 2.4 multiplies into codes of 8 bits."""
+        """JPEG, AVIF, and WebP, whose alpha OpenImageIO 2.4 multiplies into codes of 8 bits."""
         subprocess.run(["oiiotool", "--create", "16x16", "3", "--fill:color=.7372549,.5019608,.2509804",
-                        "16x16", "-d", "uint8", "--compression", "jpeg:100", "-o", self.folder / "a.jpg"],
+                        "16x16", "-d", "uint8", "--compression", "jpeg:100", "-o", self.folder / "a.jpg",
+                        "--quality", "100", "-o", self.folder / "a.avif"],
                        check=True, stdout=subprocess.DEVNULL)
         self.write("a.webp", WEBP)
         quads = "".join(QUAD % {"i": i, "file": name, "encoding": ""} for i, name in
-                        enumerate(["a.jpg", "a.webp"]))
-        jpeg, webp = self.row_of(quads, 2)
+                        enumerate(["a.jpg", "a.avif", "a.webp"]))
+        jpeg, avif, webp = self.row_of(quads, 3)
         for i, wanted in enumerate(lit(RGB)):
             self.assertAlmostEqual(wanted, jpeg[i], delta=0.02)
+            self.assertAlmostEqual(wanted, avif[i], delta=0.02)
         for i, code in enumerate((87, 46, 28)):
             self.assertAlmostEqual(light(code / 255) * 128 / 255, webp[i], delta=0.003)
 

@@ -167,7 +167,11 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
     const bool is_there = path == inside || path == "textures/wood.png";
     std::string plain = path;
     while (plain.find("\\\\") != std::string::npos) plain.replace(plain.find("\\\\"), 2, "\\");
-    const std::string note = is_there ? "" : "is not there; '" + file + "' is taken for it";
+    const bool is_outside = !is_there && (path.starts_with("/") || path.starts_with(".."));
+    const std::string note = is_there ? ""
+                                      : std::string("is not ") +
+                                            (is_outside ? "inside the scene's folder" : "there") +
+                                            "; '" + file + "' is taken for it";
     write("a.mtl", "newmtl a\nmap_Kd " + plain + "\n");
     check("a.obj", std::string("mtllib a.mtl\nusemtl a\n") + kTriangle, file, note);
     check("a.tessera", "textures { name: 't' image { file: '" + path + "' } }", file, note);
@@ -181,7 +185,8 @@ TEST_F(ReadScene, FindsPicturesByTheLastPartsOfAPathThatLeadsNowhere) {
   check("b.x3d",
         "<X3D><Scene><Shape><Appearance><ImageTexture url='\"/x/wood.png\"'/>"
         "</Appearance><Sphere/></Shape></Scene></X3D>",
-        "wood.png", "b.x3d:1:33: the picture '/x/wood.png' is not there; 'wood.png' is taken");
+        "wood.png",
+        "b.x3d:1:33: the picture '/x/wood.png' is not inside the scene's folder; 'wood.png'");
 }
 
 TEST_F(ReadScene, TellsWhereAModelNamesWhatIsNotThere) {
@@ -231,8 +236,8 @@ TEST_F(ReadScene, FindsMaterialLibrariesByName) {
   EXPECT_EQ(loaded.scene.materials(0).classic().diffuse().value().g(), 1);
   ASSERT_EQ(loaded.warnings.size(), 1u);
   EXPECT_NE(
-      loaded.warnings[0].find("a.obj:1:8: material library '/home/ann/chair/a.mtl' is not there; "
-                              "'a.mtl' is taken for it"),
+      loaded.warnings[0].find("a.obj:1:8: material library '/home/ann/chair/a.mtl' is not inside "
+                              "the scene's folder; 'a.mtl' is taken for it"),
       std::string::npos)
       << loaded.warnings[0];
 }
@@ -254,13 +259,14 @@ TEST_F(ReadScene, FindsPartsOfScenesByTheLastPartsOfAPathThatLeadsNowhere) {
             "Settings { camera -> cam }\nScene { Mesh { file -> \"/home/ann/chair.obj\" } }\n",
             "the included file 'home/ann/chair.obj' is not there; 'chair.obj' is taken for it"},
            {"a.x3d", "<X3D><Scene><Inline url='\"/home/ann/parts/chair.x3d\"'/></Scene></X3D>",
-            "the Inline '/home/ann/parts/chair.x3d' is not there; 'parts/chair.x3d' is taken for"},
+            "the Inline '/home/ann/parts/chair.x3d' is not inside the scene's folder; "
+            "'parts/chair.x"},
            {"a.gltf",
             R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
             R"("attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"count":3,)"
             R"("componentType":5126,"type":"VEC3"}],"bufferViews":[{"buffer":0,)"
             R"("byteLength":36}],"buffers":[{"byteLength":36,"uri":"../out/a.bin"}]})",
-            "buffer '../out/a.bin' is not there; 'a.bin' is taken for it"}}) {
+            "buffer '../out/a.bin' is not inside the scene's folder; 'a.bin' is taken for it"}}) {
     const LoadedScene loaded = read_scene(write(c.name, c.text));
     EXPECT_GT(loaded.scene.nodes_size(), 0) << c.name;
     ASSERT_EQ(loaded.warnings.size(), 1u) << ::testing::PrintToString(loaded.warnings);

@@ -75,19 +75,23 @@ TEST(PictureLight, alpha_kept_of_codes_is_linear) {
 
 TEST(PictureLight, light_too_large_for_floats_is_mended) {
   DecodedTexture picture = texture<float>(1, 2, {1e20f, 1});
-  const std::vector<std::string> notes = prepare_picture(picture, SampleEncoding::srgb);
-  EXPECT_EQ(notes,
-            std::vector<std::string>{
-                "pixel 0,0 has the number inf and is read as 65504; expected finite numbers"});
+  const std::vector<PictureNote> notes = prepare_picture(picture, SampleEncoding::srgb);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].what,
+            "pixel 0,0 has the number inf and is read as 65504; expected finite numbers");
+  EXPECT_TRUE(notes[0].is_repair);
   EXPECT_EQ(numbers(picture), (std::vector<float>{65504, 1}));
 }
 
 TEST(PictureLight, what_is_wrong_with_a_file_is_told) {
   DecodedTexture picture = texture<float>(1, 1, {1});
   picture.damage = "Premature end of JPEG file";
-  EXPECT_EQ(prepare_picture(picture, SampleEncoding::linear),
-            std::vector<std::string>{
-                "it is damaged, and read as far as it goes: Premature end of JPEG file"});
+  picture.part_note = "another part";
+  const std::vector<PictureNote> notes = prepare_picture(picture, SampleEncoding::linear);
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_FALSE(notes[0].is_repair) << notes[0].what;
+  EXPECT_EQ(notes[1].what, "it is damaged, and read as far as it goes: Premature end of JPEG file");
+  EXPECT_TRUE(notes[1].is_repair);
 }
 
 TEST(PictureLight, numbers_that_are_not_finite_are_mended_with_their_place) {
