@@ -16,6 +16,7 @@
 #include "cli/interrupt.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
+#include "cli/waiting.h"
 #include "client/farm_client.h"
 #include "client/job_client.h"
 #include "front/animation_files.h"
@@ -43,8 +44,6 @@ constexpr char kFetchFooter[] =
     "  tessera fetch 7 --wait -o room.png -o room.exr\n"
     "  tessera fetch 7 -o brighter.png --exposure 1       the same light, another picture\n"
     "Exit codes are those of 'tessera render'; 3 too where the job has not ended.";
-
-constexpr Time kAskEvery = std::chrono::milliseconds(200);
 
 struct FetchOptions {
   FarmConnection connection{.endpoint = kDefaultEndpoint};
@@ -118,9 +117,7 @@ class Fetch {
   }
   FetchedFrame fetch() {
     if (!options_.wait) return fetch_frame(client_, query_, options_.denoise);
-    return fetch_frame_through_silence(
-        client_, query_, options_.denoise,
-        [](const std::string& why) { say_warning(why + "; it is waited for"); });
+    return ask_patiently([&] { return fetch_frame(client_, query_, options_.denoise); });
   }
 
   /// The first failure counts; whatever else there is of pictures is written.
@@ -151,13 +148,20 @@ class Fetch {
         continue;
       }
       if (!prints() || is_part) continue;
-      say("{}  {}x{}, {} of {} tiles, {} kept from before\n", place.string(), film.width(),
-          film.height(), report.tiles_done, report.tiles_total, report.tiles_restored);
+      const std::string kept =
+          report.tiles_restored > 0
+              ? fmt::format(", {} kept from an earlier run", report.tiles_restored)
+              : "";
+      say("{}  {}x{}, {} of {} tiles{}\n", place.string(), film.width(), film.height(),
+          report.tiles_done, report.tiles_total, kept);
     }
     flush_output();
     if (!options_.quiet) {
       const auto number = number_in_animation(status);
-      for (const std::string& warning : report_warnings(report)) warnings_.say(warning, number);
+      const bool is_whole = film.width() == static_cast<int>(frame.settings().width()) &&
+                            film.height() == static_cast<int>(frame.settings().height());
+      for (const std::string& warning : report_warnings(report, {.is_whole = is_whole}))
+        warnings_.say(warning, number);
       for (const std::string& warning :
            brightness_warnings(frame.settings(), paths_, film, settings))
         warnings_.say(warning, number);

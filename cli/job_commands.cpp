@@ -15,6 +15,8 @@
 #include "cli/interrupt.h"
 #include "cli/progress_display.h"
 #include "cli/say.h"
+#include "cli/waiting.h"
+#include "client/job_client.h"
 #include "front/farm_connection.h"
 #include "front/job_name.h"
 #include "front/job_orders.h"
@@ -30,6 +32,7 @@ struct JobOptions {
   FarmConnection connection{.endpoint = kDefaultEndpoint};
   std::string job;
   bool as_json = false;
+  bool wait = false;
   bool forget = false;
   bool all_failed = false;
   std::optional<int> priority;
@@ -83,7 +86,20 @@ void print_job(const v1::JobStatus& job) {
   if (job.state() != v1::JobStatus::ENDED) line("workers", std::to_string(job.workers()));
 }
 
+/// Shows progress until the job has ended.
+v1::JobStatus wait_for_end(FarmClient& client, const v1::JobQuery& query) {
+  ProgressDisplay display(progress_style(stderr, false), stderr, "");
+  for (;;) {
+    v1::JobStatus status = ask_patiently([&] { return client.ask(query); });
+    if (status.state() == v1::JobStatus::ENDED) return status;
+    display.show(progress_of(status));
+    client.wait(kAskEvery);
+  }
+}
+
 ExitCode show_status(const JobOptions& options) {
+  if (options.wait && options.job.empty())
+    throw usage_error("status --wait: expected a job, by its number or name");
   catch_interrupts();
   configure_logging("warn", "status");
   Connection connection(options.connection);
@@ -98,13 +114,14 @@ ExitCode show_status(const JobOptions& options) {
   }
   v1::JobQuery query;
   query.set_job(find_job(connection.client, options.job, say_error));
-  const v1::JobStatus status = connection.client.ask(query);
+  const v1::JobStatus status =
+      options.wait ? wait_for_end(connection.client, query) : connection.client.ask(query);
   if (options.as_json) {
     say("{}\n", status_json(status).dump(2));
   } else {
     print_job(status);
   }
-  return ExitCode::done;
+  return options.wait ? to_exit_code(status.exit_code()) : ExitCode::done;
 }
 
 ExitCode retry(const JobOptions& options) {
@@ -173,9 +190,12 @@ void add_status_command(CLI::App& app, Action& action) {
       "Examples:\n"
       "  tessera status                  all jobs\n"
       "  tessera status 7                one of them\n"
+      "  tessera status 7 --wait         its progress until it has ended; the exit code is its "
+      "own\n"
       "  tessera status 7 --json | jq .state");
   add_job_argument(*command, *options, false);
   command->add_flag("--json", options->as_json, "As one JSON object");
+  command->add_flag("--wait", options->wait, "Show the job's progress until it has ended");
   command->callback([options, &action] { action = [options] { return show_status(*options); }; });
 }
 

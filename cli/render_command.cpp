@@ -314,8 +314,10 @@ class RenderRun {
   /// What the picture shows to be odd in the scene.
   void say_warnings(const FrameRender& rendered, const RenderedPicture& picture,
                     std::optional<int> frame) {
-    for (const std::string& warning :
-         report_warnings(picture.report, options_.scene, has_strokes_alone(scene_.loaded.scene)))
+    const PictureOrigin origin{.scene = options_.scene,
+                               .is_of_strokes = has_strokes_alone(scene_.loaded.scene),
+                               .is_whole = !options_.crop};
+    for (const std::string& warning : report_warnings(picture.report, origin))
       warnings_.say(warning, frame);
     const OutputSettings output = shown_settings(options_.scene, picture, options_.output);
     for (const std::string& warning :
@@ -345,7 +347,9 @@ class RenderRun {
       const std::string retries =
           report.retries == 1 ? "1 retry" : fmt::format("{} retries", report.retries);
       const std::string kept =
-          store_ ? fmt::format("{} kept from before, ", report.tiles_restored) : "";
+          report.tiles_restored > 0
+              ? fmt::format("{} kept from an earlier run, ", report.tiles_restored)
+              : "";
       say("{}  {}x{}, {} by {}, {}, {}{}\n", frame_path(path, frame).string(), picture.film.width(),
           picture.film.height(), counted(report.tiles_done, "tile"),
           counted(report.workers_seen, "worker"), retries, kept,

@@ -80,7 +80,8 @@ void FrameTask::throw_failure() const {
 
 std::vector<std::string> FrameTask::warnings() const {
   const std::lock_guard lock(mutex_);
-  return picture_ ? report_warnings(picture_->report) : std::vector<std::string>();
+  if (!picture_) return {};
+  return report_warnings(picture_->report, {.is_whole = !options_.crop});
 }
 
 void FrameTask::cancel() {

@@ -186,18 +186,6 @@ FetchedFrame fetch_frame(FarmClient& client, const v1::JobQuery& query, bool den
   }
 }
 
-FetchedFrame fetch_frame_through_silence(FarmClient& client, const v1::JobQuery& query,
-                                         bool denoises,
-                                         const std::function<void(const std::string&)>& tell) {
-  for (bool told = false;; told = true) {
-    try {
-      return fetch_frame(client, query, denoises);
-    } catch (const UnreachableError& error) {
-      if (!told) tell(error.what());
-    }
-  }
-}
-
 std::string fetched_statistics(const v1::JobFrame& frame, const RenderedPicture& picture) {
   const JobReport& report = picture.report;
   const double total = report.build_seconds + report.trace_seconds + report.assemble_seconds;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "client/farm_client.h"
+#include "client/refusal.h"
 #include "client/submitted_job.h"
 #include "front/rendered_picture.h"
 #include "proto/tessera/v1/farm.pb.h"
@@ -46,11 +47,18 @@ struct FetchedFrame {
 /// tile of it is missing. Throws render_error where there is no such job any more, or its picture
 /// is damaged.
 FetchedFrame fetch_frame(FarmClient& client, const v1::JobQuery& query, bool denoises);
-/// The same, but a farm that falls silent, as one whose coordinator is started anew, is asked until
-/// it answers; `tell` hears once why nothing comes.
-FetchedFrame fetch_frame_through_silence(FarmClient& client, const v1::JobQuery& query,
-                                         bool denoises,
-                                         const std::function<void(const std::string&)>& tell);
+/// What `ask` returns. A farm that falls silent, as one whose coordinator is started anew, is asked
+/// until it answers; `tell` hears once why nothing comes.
+template <class Ask, class Tell>
+auto ask_through_silence(const Ask& ask, const Tell& tell) {
+  for (bool told = false;; told = true) {
+    try {
+      return ask();
+    } catch (const UnreachableError& error) {
+      if (!told) tell(error.what());
+    }
+  }
+}
 
 /// What `--stats` tells of a picture that a farm has made.
 std::string fetched_statistics(const v1::JobFrame& frame, const RenderedPicture& picture);

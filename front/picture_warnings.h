@@ -18,11 +18,15 @@ namespace tessera {
 std::vector<std::string> picture_warnings(const RenderOptions& options, const LoadedScene& loaded);
 /// Those, after what was told of reading the scene: each once.
 std::vector<std::string> scene_warnings(const RenderOptions& options, const LoadedScene& loaded);
+/// What a report does not say of its picture.
+struct PictureOrigin {
+  std::string scene{};         ///< its file; empty: not known
+  bool is_of_strokes = false;  ///< has_strokes_alone() of the scene
+  bool is_whole = true;        ///< all of the frame, not a crop
+};
 /// What of a picture that was traced is hardly what was meant: what its scene leaves out, samples
-/// that were no colour, or nothing but the background. `scene`: its file; empty: not known.
-/// `is_of_strokes`: has_strokes_alone() of the scene, where it is known.
-std::vector<std::string> report_warnings(const JobReport& report, const std::string& scene = {},
-                                         bool is_of_strokes = false);
+/// that were no colour, or nothing but the background in all of the frame.
+std::vector<std::string> report_warnings(const JobReport& report, const PictureOrigin& of = {});
 /// Whether all shapes are drawn points and lines, which importers let cast no shadow.
 bool has_strokes_alone(const v1::Scene& scene);
 /// As mesh_warnings() of what was built of that file.

@@ -157,6 +157,19 @@ class Told(ServiceTest):
         self.assertIsNone(self.status(job)["waits_for"])
         self.stop(service, worker)
 
+    def test_a_job_is_watched_to_its_end(self):
+        service = self.serve()
+        job = self.submit()
+        other = self.submit("--name", "other")
+        self.ask("cancel", other)
+        self.assertIn("cancelled", self.ask("status", other, "--wait", code=4))
+        watcher = self.start("status", job, "--wait", "--json", "--connect", self.endpoint)
+        worker = self.worker()
+        out, err = watcher.communicate(timeout=60)
+        self.assertEqual((0, "done"), (watcher.returncode, json.loads(out)["state"]), err)
+        self.assert_error(self.run_program("status", "--wait", "--connect", self.endpoint), 2, "expected a job")
+        self.stop(service, worker)
+
     def test_of_several_of_one_name_it_is_said_which_is_meant(self):
         service = self.serve()
         jobs = [self.submit() for _ in range(3)]

@@ -249,7 +249,7 @@ class Page(WebTest):
         wait_until(lambda: self.shows(page, f"/api/v1/jobs/{job}/preview.png"), "the picture shows")
         wait_until(lambda: self.painted(page) > 0.9, "the last of it is fetched and painted")
         self.assertIn(f"{TILES} of {TILES} tiles", page.text("#progress-text"))
-        self.assertIn("kept from before", page.text("#progress-text"))
+        self.assertIn("kept from an earlier run", page.text("#progress-text"))
         wait_until(lambda: "job 1 is done" in page.text("#log").replace(" (glass)", ""), "the log tells")
         page.click("#show-cost")
         wait_until(lambda: not page.evaluate("document.querySelector('#cost-scale').hidden"), "what tiles took")

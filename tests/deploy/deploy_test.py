@@ -488,7 +488,7 @@ class Slurm(TesseraTest):
         again = self.batch()
         out, _ = again.communicate(timeout=300)
         self.assertEqual(0, again.returncode, out)
-        self.assertIn(f" {kept} kept from before", out)
+        self.assertIn(f" {kept} kept from an earlier run", out)
         self.assertEqual(self.reference(), (self.folder / "knot.pfm").read_bytes())
 
     def test_each_node_has_a_key_of_its_own(self):

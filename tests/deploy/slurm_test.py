@@ -174,7 +174,7 @@ class SlurmTest(TesseraTest):
         self.assertGreater(kept, 20)
         self.assert_right(job, 200)
         # How many tiles there are depends on the workers that were there when it began.
-        told = re.search(rf"(\d+) of \1 tiles, {kept} kept from before", self.log())
+        told = re.search(rf"(\d+) of \1 tiles, {kept} kept from an earlier run", self.log())
         self.assertTrue(told, self.log())
         self.assertLess(kept, int(told[1]))
 
@@ -185,7 +185,7 @@ class SlurmTest(TesseraTest):
         self.assertEqual(0, signalled.returncode, signalled.stderr)
         wait_until(lambda: time.sleep(.1) or self.state(job).get("Restarts") == "1", "requeued")
         self.assert_right(job, 200)
-        self.assertRegex(self.log(), r"(\d+) of \1 tiles, [1-9]\d+ kept from before")
+        self.assertRegex(self.log(), r"(\d+) of \1 tiles, [1-9]\d+ kept from an earlier run")
 
     def test_cancelled_it_stays_so_and_leaves_nothing_running(self):
         job = self.submit(200)

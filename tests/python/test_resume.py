@@ -56,7 +56,7 @@ def test_the_command_line_goes_on_from_it_and_it_from_the_command_line(scene, tm
         command = [PROGRAM, "render", scene, "-o", "a.png", "--size", "128x96", "--tile", "16", "--spp", "256",
                    "--resume", "--workers", "0"]
         told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-        assert " kept from before, " in told and ", 0 kept" not in told
+        assert " kept from an earlier run, " in told and ", 0 kept" not in told
         assert not os.path.exists("a.png.tiles")
 
     process = subprocess.Popen([*command, "--threads", "1"])

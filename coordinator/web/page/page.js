@@ -112,7 +112,7 @@ function showFarm(history) {
   showWorkers();
   showGraphs(history);
   const c = farm.counters;
-  byId("counters").textContent = [counted(c.tiles_done, "tile"), `${c.tiles_restored} kept from before`,
+  byId("counters").textContent = [counted(c.tiles_done, "tile"), `${c.tiles_restored} kept from an earlier run`,
     `${c.retries} retried`, `${c.speculative} second copies`,
     `${c.tiles_given_up} given up`, `${c.mismatches} mismatches`, `${counted(c.workers_lost, "worker")} lost`,
     `${c.workers_set_aside} set aside`, `${bytes(c.bytes_scene)} out`, `${bytes(c.bytes_results)} in`].join(" · ");
@@ -276,7 +276,7 @@ function showJob(job, frame) {
   byId("job-size").textContent = `job ${job.id} · ${job.width}×${job.height}` +
     (job.frames_total > 1 ? ` · ${job.frames_done} of ${counted(job.frames_total, "frame")}` : "");
   byId("progress").value = share(job);
-  const kept = job.tiles_restored ? `, ${job.tiles_restored.toLocaleString("en")} kept from before` : "";
+  const kept = job.tiles_restored ? `, ${job.tiles_restored.toLocaleString("en")} kept from an earlier run` : "";
   const left = ended || job.remaining_seconds == null ? "" : `about ${duration(job.remaining_seconds)} left`;
   const spans = [`${job.tiles_done.toLocaleString("en")} of ${counted(job.tiles_total, "tile")}${kept}`,
     [job.elapsed_seconds ? duration(job.elapsed_seconds) : "", left].filter(Boolean).join(" · ")];

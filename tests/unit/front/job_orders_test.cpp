@@ -140,8 +140,8 @@ TEST_F(JobOrders, ToFetchThroughSilenceAreAskedUntilTheyAreAnswered) {
   transport_.answers = {job_status(v1::JobStatus::RUNNING)};
   std::vector<std::string> told;
   const FetchedFrame fetched =
-      fetch_frame_through_silence(client, job_query(v1::JobQuery::ASK), false,
-                                  [&](const std::string& why) { told.push_back(why); });
+      ask_through_silence([&] { return fetch_frame(client, job_query(v1::JobQuery::ASK), false); },
+                          [&](const std::string& why) { told.push_back(why); });
   EXPECT_FALSE(fetched.has_ended());
   EXPECT_EQ(transport_.asked.size(), 4u);
   ASSERT_EQ(told.size(), 1u);

@@ -23,9 +23,10 @@ TEST(ReportWarnings, TellWhyNothingIsSeen) {
   EXPECT_NE(only_warning(report(0, 3, 1)).find("--frame-all"), std::string::npos);
   EXPECT_NE(only_warning(report(0, 0, 2)).find("nodes that are not hidden"), std::string::npos);
   EXPECT_NE(only_warning(report(0, 0, 0)).find("nodes with shapes"), std::string::npos);
-  const auto points = report_warnings(report(0, 3, 0), "", true);
+  const auto points = report_warnings(report(0, 3, 0), {.is_of_strokes = true});
   ASSERT_EQ(points.size(), 1u);
   EXPECT_NE(points[0].find("expected a larger --size or more --spp"), std::string::npos);
+  EXPECT_TRUE(report_warnings(report(0, 3, 0), {.is_whole = false}).empty()) << "a crop of the sky";
   JobReport filled = report(0, 3, 0);  // whose tiles look past everything, and count nothing
   filled.counters.clear();
   EXPECT_NE(only_warning(filled).find("no ray meets a surface"), std::string::npos);
@@ -55,7 +56,7 @@ TEST(ReportWarnings, TellWhatTheSceneLeavesOut) {
   JobReport made = report(9, 1, 0);
   made.build_counters["triangles_dropped"] = 2;
   EXPECT_EQ(only_warning(made), "2 triangles without an area: left out");
-  EXPECT_EQ(report_warnings(made, "a.obj"),
+  EXPECT_EQ(report_warnings(made, {.scene = "a.obj"}),
             std::vector<std::string>{"a.obj: 2 triangles without an area: left out"});
   made.build_counters["triangles_dropped"] = 0;
   made.build_counters["nodes_dropped"] = 1;
