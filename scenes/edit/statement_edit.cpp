@@ -8,6 +8,8 @@
 #include "scenes/edit/layout.h"
 #include "scenes/edit/literal.h"
 #include "scenes/edit/message_edit.h"
+#include "scenes/edit/message_vocabulary.h"
+#include "scenes/edit/word_vocabulary.h"
 
 namespace tessera::edit {
 namespace {
@@ -46,6 +48,22 @@ constexpr StatementWord kMtlWords[] = {
     {"map_Bump", ValueKind::file, "", "picture of heights", kAny},
     {"bump", ValueKind::file, "", "picture of heights", kAny},
     {"norm", ValueKind::file, "", "picture of normals", kAny}};
+
+/// Beside these: what begins a material, and what lines of .obj say.
+constexpr std::pair<std::string_view, std::string_view> kNewMaterial{
+    "newmtl", "begins a material of that name"};
+constexpr std::pair<std::string_view, std::string_view> kObjWords[] = {
+    {"v", "a vertex: x y z, and perhaps a weight or r g b"},
+    {"vt", "a texture coordinate: u v"},
+    {"vn", "a normal: x y z"},
+    {"f", "a face: its corners, each vertex/texture/normal, counted from 1"},
+    {"l", "a line: its vertices"},
+    {"p", "points: their vertices"},
+    {"o", "begins an object of that name"},
+    {"g", "begins a group of these names"},
+    {"s", "a smoothing group, or off"},
+    {"usemtl", "the material of the faces that follow"},
+    {"mtllib", "a file of materials"}};
 
 int index_of(std::string_view name) {
   for (size_t i = 0; i < std::size(kMtlWords); ++i)
@@ -194,6 +212,73 @@ std::vector<Field> all_statement_fields(const Outline& outline, int entity) {
                      [&](const Field& field) { return field.name == word.name; }))
       all.push_back(describe_statement(word.name));
   return all;
+}
+
+Completions statement_completions(const Outline& outline, size_t offset) {
+  const std::string_view text = outline.text();
+  const SyntaxTree& tree = outline.tree();
+  Completions made{word_around(text, offset), {}};
+  auto begin = static_cast<uint32_t>(std::min(offset, text.size()));
+  while (begin > 0 && text[begin - 1] != '\n' && text[begin - 1] != '\r') --begin;
+  while (begin < made.replaced.begin && is_blank(text[begin])) ++begin;
+  const auto add = [&](std::string_view name, std::string detail, std::string_view help) {
+    made.items.push_back(
+        {std::string(name), fmt::format("{} ", name), std::move(detail), std::string(help)});
+  };
+  if (begin < made.replaced.begin) {  // behind a word
+    const SourceRange first = word_around(text, begin);
+    const std::string_view name = text_of(text, first);
+    if (outline.language() == Language::mtl && describe_statement(name).kind == ValueKind::file) {
+      made.files = Completions::Files::picture;
+      uint32_t from = made.replaced.begin;
+      while (from > begin && !is_blank(text[from - 1])) --from;
+      made.replaced.begin = from;
+      while (made.replaced.end < text.size() && !is_space(text[made.replaced.end]))
+        ++made.replaced.end;
+    } else if (name == "usemtl") {
+      for (const Entity& entity : outline.entities())
+        if (entity.type == "usemtl" && entity.range.begin != first.begin &&
+            std::ranges::find(made.items, entity.name, &Completion::label) == made.items.end())
+          made.items.push_back({entity.name, entity.name, "material", ""});
+    }
+    return made;
+  }
+  if (outline.language() == Language::obj) {
+    for (const auto& [name, help] : kObjWords) add(name, "", help);
+    return made;
+  }
+  add(kNewMaterial.first, "", kNewMaterial.second);
+  const Entity* material = nullptr;
+  for (const Entity& entity : outline.entities())
+    if (entity.kind == EntityKind::material && entity.range.begin < begin) material = &entity;
+  if (!material) return made;
+  for (const StatementWord& word : kMtlWords) {
+    const bool is_there = std::ranges::any_of(material->fields, [&](const Field& field) {
+      return field.name == word.name && tree[field.syntax].name != made.replaced;
+    });
+    if (!is_there) add(word.name, detail_of(describe_statement(word.name)), word.help);
+  }
+  return made;
+}
+
+std::optional<Hover> statement_hover(const Outline& outline, size_t offset) {
+  const std::string_view text = outline.text();
+  const SourceRange word = word_around(text, offset);
+  uint32_t line = word.begin;
+  while (line > 0 && is_blank(text[line - 1])) --line;
+  const bool is_first = line == 0 || text[line - 1] == '\n' || text[line - 1] == '\r';
+  const std::string_view name = text_of(text, word);
+  if (!is_first || name.empty()) return {};
+  if (outline.language() == Language::obj) {
+    for (const auto& [known, help] : kObjWords)
+      if (known == name) return Hover{word, std::string(name), "", std::string(help)};
+    return {};
+  }
+  if (name == kNewMaterial.first)
+    return Hover{word, std::string(name), "", std::string(kNewMaterial.second)};
+  if (index_of(name) < 0) return {};
+  const Field field = describe_statement(name);
+  return Hover{word, std::string(name), detail_of(field), field.help};
 }
 
 Change set_statement(const Outline& outline, int entity, std::string_view name,

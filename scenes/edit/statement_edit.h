@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "scenes/edit/edit.h"
 #include "scenes/edit/syntax_tree.h"
+#include "scenes/edit/vocabulary.h"
 
 namespace tessera::edit {
 
@@ -13,6 +15,9 @@ namespace tessera::edit {
 SyntaxTree parse_statements(std::string_view text, bool is_mtl);
 std::vector<Entity> statement_entities(std::string_view text, const SyntaxTree& tree);
 std::vector<Field> all_statement_fields(const Outline& outline, int entity);
+
+Completions statement_completions(const Outline& outline, size_t offset);
+std::optional<Hover> statement_hover(const Outline& outline, size_t offset);
 
 Change set_statement(const Outline& outline, int entity, std::string_view field,
                      std::string_view value);

@@ -1,6 +1,7 @@
 #include "scenes/edit/vocabulary.h"
 
 #include "scenes/edit/message_vocabulary.h"
+#include "scenes/edit/statement_edit.h"
 #include "scenes/edit/word_vocabulary.h"
 
 namespace tessera::edit {
@@ -14,9 +15,15 @@ Completions completions(const Outline& outline, size_t offset) {
       return crt_completions(outline, offset);
     case Language::x3d:
       return xml_completions(outline, offset);
-    default:
-      return {};
+    case Language::classic_x3d:
+      return classic_completions(outline, offset);
+    case Language::obj:
+    case Language::mtl:
+      return statement_completions(outline, offset);
+    case Language::gltf:
+      break;
   }
+  return {};
 }
 
 std::optional<Hover> hover(const Outline& outline, size_t offset) {
@@ -27,10 +34,15 @@ std::optional<Hover> hover(const Outline& outline, size_t offset) {
     case Language::crt:
       return crt_hover(outline, offset);
     case Language::x3d:
-      return xml_hover(outline, offset);
-    default:
-      return {};
+    case Language::classic_x3d:
+      return x3d_hover(outline, offset);
+    case Language::obj:
+    case Language::mtl:
+      return statement_hover(outline, offset);
+    case Language::gltf:
+      break;
   }
+  return {};
 }
 
 }  // namespace tessera::edit

@@ -20,6 +20,65 @@ bool is_word_character(char c) {
          c == '-';
 }
 
+/// Values of a field: its choices, names of nodes, files.
+void add_x3d_values(const Outline& outline, std::string_view type, const Field& field,
+                    size_t offset, Completions& into) {
+  for (const std::string& choice : field.choices) into.items.push_back({choice, choice, "", ""});
+  if (field.kind == ValueKind::file) {
+    into.files = type == "Inline" ? Completions::Files::model : Completions::Files::picture;
+    into.replaced = quoted_around(outline.text(), offset);
+  }
+  if (field.kind != ValueKind::reference) return;
+  for (const Entity& entity : outline.entities())
+    for (const Field& one : entity.fields)
+      if (one.name == "DEF") into.items.push_back({one.text, one.text, entity.type, ""});
+}
+
+/// Fields that the element does not have yet; `suffix` is written behind each.
+void add_x3d_fields(const Outline& outline, const SyntaxNode& element, const X3dNodeType& type,
+                    std::string_view suffix, Completions& into) {
+  const SyntaxTree& tree = outline.tree();
+  for (const std::string& name : type.field_names()) {
+    if (!type.has_field(name)) continue;
+    bool is_there = false;
+    for (int32_t k = element.first_child; k >= 0; k = tree[k].next)
+      is_there |= text_of(outline.text(), tree[k].name) == name && tree[k].name != into.replaced;
+    if (!is_there)
+      into.items.push_back({name, fmt::format("{}{}", name, suffix),
+                            detail_of(describe_x3d(type.name, name, "")), ""});
+  }
+}
+
+void add_x3d_nodes(std::string_view suffix, Completions& into) {
+  for (const std::string& name : x3d_node_names())
+    into.items.push_back(
+        {name, fmt::format("{}{}", name, suffix), std::string(name_of(x3d_entity_kind(name))), ""});
+}
+
+/// Where the list of the classic encoding begins that the end of `range` is in; its end where it is
+/// in none.
+uint32_t list_around(std::string_view text, SourceRange range) {
+  std::vector<uint32_t> open;
+  for (uint32_t at = range.begin; at < range.end; ++at) {
+    if (text[at] == '#') {
+      at = line_end(text, at);
+    } else if (text[at] == '"') {
+      while (++at < range.end && text[at] != '"') at += text[at] == '\\' ? 1 : 0;
+    } else if (text[at] == '[') {
+      open.push_back(at);
+    } else if (text[at] == ']' && !open.empty()) {
+      open.pop_back();
+    }
+  }
+  return open.empty() ? range.end : open.back();
+}
+
+/// The word before a place, with nothing but blanks between.
+std::string_view word_before(std::string_view text, uint32_t at) {
+  while (at > 0 && is_space(text[at - 1])) --at;
+  return text_of(text, {word_around(text, at).begin, at});
+}
+
 /// The attribute that the place is behind the arrow of; -1: none.
 int32_t attribute_at(const SyntaxTree& tree, int32_t object, size_t offset) {
   for (int32_t k = tree[object].first_child; k >= 0; k = tree[k].next) {
@@ -145,55 +204,69 @@ Completions xml_completions(const Outline& outline, size_t offset) {
   Completions made{word_around(outline.text(), offset), {}};
   const uint32_t begin = made.replaced.begin;
   if (begin > 0 && outline.text()[begin - 1] == '<') {
-    for (const std::string& name : x3d_node_names())
-      made.items.push_back({name, name, std::string(name_of(x3d_entity_kind(name))), ""});
+    add_x3d_nodes("", made);
     return made;
   }
   for (int32_t i = tree.node_at(offset); i > 0; i = tree[i].parent) {
     const SyntaxNode& node = tree[i];
     if (xml_part(node) == XmlPart::attribute && node.value.contains(offset) &&
         offset > node.name.end) {
-      const Field field = describe_x3d(text_of(outline.text(), tree[node.parent].name),
-                                       text_of(outline.text(), node.name), "");
-      for (const std::string& choice : field.choices)
-        made.items.push_back({choice, choice, "", ""});
-      if (field.kind == ValueKind::file) {
-        const bool is_model = text_of(outline.text(), tree[node.parent].name) == "Inline";
-        made.files = is_model ? Completions::Files::model : Completions::Files::picture;
-        made.replaced = quoted_around(outline.text(), offset);
-      }
-      if (field.kind != ValueKind::reference) return made;
-      for (const Entity& entity : outline.entities())
-        for (const Field& one : entity.fields)
-          if (one.name == "DEF") made.items.push_back({one.text, one.text, entity.type, ""});
+      const std::string_view type = text_of(outline.text(), tree[node.parent].name);
+      const Field field = describe_x3d(type, text_of(outline.text(), node.name), "");
+      add_x3d_values(outline, type, field, offset, made);
       return made;
     }
     if (xml_part(node) != XmlPart::element) continue;
     const std::string_view type = text_of(outline.text(), node.name);
     const X3dNodeType* known = find_x3d_node_type(type);
     const bool is_in_tag = offset > node.name.end && offset <= node.body.begin;
-    if (!known || !is_in_tag) return made;
-    for (const std::string& name : known->field_names()) {
-      if (!known->has_field(name)) continue;
-      bool is_there = false;
-      for (int32_t k = node.first_child; k >= 0; k = tree[k].next)
-        is_there |= text_of(outline.text(), tree[k].name) == name && tree[k].name != made.replaced;
-      if (!is_there)
-        made.items.push_back(
-            {name, fmt::format("{}=''", name), detail_of(describe_x3d(type, name, "")), ""});
-    }
+    if (known && is_in_tag) add_x3d_fields(outline, node, *known, "=''", made);
     return made;
   }
   return made;
 }
 
-std::optional<Hover> xml_hover(const Outline& outline, size_t offset) {
+Completions classic_completions(const Outline& outline, size_t offset) {
+  const SyntaxTree& tree = outline.tree();
+  const std::string_view text = outline.text();
+  Completions made{word_around(text, offset), {}};
+  int32_t holder = tree.node_at(offset);
+  if (holder > 0 && xml_part(tree[holder]) == XmlPart::attribute) holder = tree[holder].parent;
+  while (holder > 0 && !tree[holder].body.contains(static_cast<uint32_t>(offset)))
+    holder = tree[holder].parent;
+  const std::string_view type = holder > 0 ? text_of(text, tree[holder].name) : "";
+  const X3dNodeType* known = find_x3d_node_type(type);
+  const uint32_t quoted = quoted_around(text, offset).begin;
+  const bool is_quoted = quoted > 0 && text[quoted - 1] == '"';
+  const uint32_t begin = is_quoted ? quoted - 1 : made.replaced.begin;
+  const uint32_t list = list_around(text, {tree[holder].body.begin, begin});
+  const bool is_in_list = list < begin;
+  const bool names_node = word_before(text, begin) == "USE";
+  const std::string_view name = word_before(text, names_node ? begin : list);
+  if (names_node || (known && known->has_field(name))) {
+    Field field = describe_x3d(type, name, "");
+    if (field.kind == ValueKind::boolean) field.choices = {"FALSE", "TRUE"};
+    add_x3d_values(outline, type, field, offset, made);
+    made.needs_quotes = made.files != Completions::Files::none && !is_quoted;
+    if (!made.items.empty() || made.files != Completions::Files::none) return made;
+  }
+  const bool holds_node = known && known->has_node_field(name);
+  if (known && !holds_node && !is_in_list) {
+    add_x3d_fields(outline, tree[holder], *known, " ", made);
+    for (const std::string& one : known->field_names())
+      if (known->has_node_field(one)) made.items.push_back({one, one + " ", "node", ""});
+  }
+  if (!known || holds_node) add_x3d_nodes(" { }", made);
+  return made;
+}
+
+std::optional<Hover> x3d_hover(const Outline& outline, size_t offset) {
   const SyntaxTree& tree = outline.tree();
   for (int32_t i = tree.node_at(offset); i > 0; i = tree[i].parent) {
     const SyntaxNode& node = tree[i];
     if (!node.name.contains(offset) || node.name.is_empty()) continue;
     const std::string name(text_of(outline.text(), node.name));
-    if (xml_part(node) == XmlPart::element) {
+    if (xml_part(node) != XmlPart::attribute) {
       const X3dNodeType* type = find_x3d_node_type(name);
       if (!type) return {};
       const bool is_read = type->use == X3dNodeType::Use::read;

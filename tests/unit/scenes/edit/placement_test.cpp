@@ -164,6 +164,72 @@ TEST(StudioEdit, ProposesFilesWhereTheyFit) {
       at_bar(Language::x3d, "<X3D><Scene><Inline url='\"a|.x3d\"'/></Scene></X3D>");
   EXPECT_EQ(url.files, Files::model);
   EXPECT_EQ(url.replaced.size(), 5u);
+  const Completions classic = at_bar(Language::classic_x3d, "ImageTexture { url [ \"a|.png\" ] }");
+  EXPECT_EQ(classic.files, Files::picture);
+  EXPECT_FALSE(classic.needs_quotes);
+  EXPECT_EQ(classic.replaced.size(), 5u);
+  const Completions part = at_bar(Language::classic_x3d, "Inline { url | }");
+  EXPECT_EQ(part.files, Files::model);
+  EXPECT_TRUE(part.needs_quotes);
+  const Completions map = at_bar(Language::mtl, "newmtl a\nmap_Kd -s 2 2 a|.png\n");
+  EXPECT_EQ(map.files, Files::picture);
+  EXPECT_EQ(map.replaced.size(), 5u);
+}
+
+/// What is proposed at the bar: each label, between blanks.
+std::string proposed(Language language, const std::string& text) {
+  std::string labels = " ";
+  for (const Completion& item : at_bar(language, text).items) labels += item.label + " ";
+  return labels;
+}
+
+TEST(StudioEdit, ProposesNodesAndFieldsOfTheClassicEncoding) {
+  const auto has = [](const std::string& text, const std::string& label) {
+    return proposed(Language::classic_x3d, text).find(" " + label + " ") != std::string::npos;
+  };
+  EXPECT_TRUE(has("#VRML V2.0 utf8\n|", "Shape"));
+  EXPECT_TRUE(has("Shape { geometry | }", "Sphere"));
+  EXPECT_FALSE(has("Shape { geometry | }", "appearance"));
+  EXPECT_TRUE(has("Shape { geometry Sphere { } | }", "appearance"));
+  for (const char* const list :
+       {"Group { children [ | ] }", "Group { children [ Shape { } | ] }",
+        "Group { children [ Shape { } # ]\n Fog { fogType \"]\" } | ] }"}) {
+    EXPECT_TRUE(has(list, "Transform")) << list;
+    EXPECT_FALSE(has(list, "bboxSize")) << list;
+  }
+  EXPECT_TRUE(has("Sphere { | }", "radius"));
+  EXPECT_FALSE(has("Sphere { radius 2 | }", "radius"));
+  EXPECT_TRUE(has("Sphere { radius 2 | }", "solid"));
+  EXPECT_EQ(proposed(Language::classic_x3d, "Sphere { solid | }"), " FALSE TRUE ");
+  EXPECT_EQ(proposed(Language::classic_x3d, "DEF A Shape { } Group { children [ USE | ] }"), " A ");
+  EXPECT_EQ(at_bar(Language::classic_x3d, "Shape { geometry Sp| }").replaced.size(), 2u);
+}
+
+TEST(StudioEdit, ProposesStatementsOfModels) {
+  EXPECT_EQ(proposed(Language::mtl, "|"), " newmtl ");
+  const std::string labels = proposed(Language::mtl, "newmtl a\nKd 1 0 0\n|");
+  EXPECT_NE(labels.find(" Ks "), std::string::npos);
+  EXPECT_EQ(labels.find(" Kd "), std::string::npos);
+  EXPECT_NE(proposed(Language::mtl, "newmtl a\nK|").find(" Kd "), std::string::npos);
+  EXPECT_EQ(proposed(Language::mtl, "newmtl a\nKd |"), " ");
+  EXPECT_NE(proposed(Language::obj, "v 0 0 0\n  |").find(" usemtl "), std::string::npos);
+  EXPECT_EQ(proposed(Language::obj, "usemtl a\nusemtl |\nusemtl b\n"), " a b ");
+}
+
+TEST(StudioEdit, TellsWhatWordsOfModelsAndScenesMean) {
+  const auto at = [](Language language, std::string text) {
+    const size_t bar = text.find('|');
+    text.erase(bar, 1);
+    const auto made = hover(outline(language, text), bar);
+    return made ? made->title + ": " + made->detail + made->help : "";
+  };
+  EXPECT_EQ(at(Language::classic_x3d, "Sphere { ra|dius 2 }"),
+            at(Language::x3d, "<X3D><Scene><Sphere ra|dius='2'/></Scene></X3D>"));
+  EXPECT_NE(at(Language::classic_x3d, "Sphere { ra|dius 2 }").find("above 0"), std::string::npos);
+  EXPECT_EQ(at(Language::classic_x3d, "Shape { geometry Sph|ere { } }"), "Sphere: shape");
+  EXPECT_NE(at(Language::mtl, "newmtl a\n  d| .5\n").find("opacity"), std::string::npos);
+  EXPECT_EQ(at(Language::mtl, "newmtl |d\n"), "") << "a name";
+  EXPECT_NE(at(Language::obj, "v 0 0 0\nf| 1 2 3\n").find("a face"), std::string::npos);
 }
 
 }  // namespace
