@@ -343,6 +343,10 @@ class Compare(LookTest):
         self.assertEqual(lines["differing pixels"].split()[0], shown["differing pixels"])
         self.assertEqual(lines["the worst pixel"].split(":")[0].replace(",", ", "), shown["worst pixel"])
         self.assertGreater(float(shown["rmse"]), 0)
+        scale = page.evaluate("[...document.querySelectorAll('.legend .steps span')].map((each) => each.textContent)")
+        most = float(shown["max difference"])
+        for text, share in zip(scale, (0, 1 / 16, 1 / 4, 9 / 16, 1), strict=True):
+            self.assertAlmostEqual(share * most, float(text), delta=.01 * most, msg="a scale of the colours")
 
     def test_the_picture_before_an_edit(self):
         page = self.begin()

@@ -92,7 +92,12 @@ export function Compare() {
           <button key={name} type="button" title={title} aria-pressed={mode.value === name} onClick={() => toggle(name)}>{label}</button>
         ))}
         <button type="button" onClick={() => pin("none")}>Unpin</button>
-        {mode.value === "difference" && <Numbers />}
+        {mode.value === "difference" && (
+          <details open>
+            <summary>Numbers</summary>
+            <Numbers />
+          </details>
+        )}
       </div>
     </>
   );
