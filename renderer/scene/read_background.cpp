@@ -43,18 +43,17 @@ std::array<Vec3, 3> rotation_rows(const Affine& m) {
 
 void read_cube(const Where& where, const v1::Background::Cube& in, TextureTable& textures,
                Background& out) {
-  const Where place{.parent = &where, .kind = "cube"};
-  const auto face = [&](Background::Face number, const std::string& name) {
+  const auto face = [&](Background::Face number, std::string_view field, const std::string& name) {
     if (name.empty()) return;
-    out.cube[number] = textures.use_image(place, name);
+    out.cube[number] = textures.use_image(where, field, name);
     out.has_cube = true;
   };
-  face(Background::front, in.front());
-  face(Background::back, in.back());
-  face(Background::left, in.left());
-  face(Background::right, in.right());
-  face(Background::top, in.top());
-  face(Background::bottom, in.bottom());
+  face(Background::front, "cube.front", in.front());
+  face(Background::back, "cube.back", in.back());
+  face(Background::left, "cube.left", in.left());
+  face(Background::right, "cube.right", in.right());
+  face(Background::top, "cube.top", in.top());
+  face(Background::bottom, "cube.bottom", in.bottom());
 }
 
 std::shared_ptr<const Sky> read_daylight(const Where& where, const v1::Background::SunAndSky& in) {
@@ -95,7 +94,7 @@ Background read_background(const v1::Background& in, TextureTable& textures) {
       out.kind = in.panorama().mapping() == v1::Background::Panorama::CYLINDRICAL_EQUAL_AREA
                      ? BackgroundKind::panorama_equal_area
                      : BackgroundKind::panorama_equirectangular;
-      out.picture = textures.use_image(where, in.panorama().texture());
+      out.picture = textures.use_image(where, "panorama.texture", in.panorama().texture());
       out.angle = portable::radians(checked(where, "panorama.angle", in.panorama().angle()));
       if (in.panorama().has_intensity()) {
         out.intensity =

@@ -44,8 +44,7 @@ class Fields {
                  "RED, GREEN, BLUE or ALPHA");
     }
     if (!in.texture().empty()) {
-      const Where place{.parent = &where_, .kind = "field", .name = name};
-      texture = textures_.use(place, in.texture());
+      texture = textures_.use(where_, fmt::format("{}.texture", name), in.texture());
       fallback = 1;
     }
     return in.has_value() ? checked(where_, name, in.value(), range) : fallback;
@@ -55,8 +54,7 @@ class Fields {
   MaterialInputs& inputs() { return inputs_; }
   const Texture& texture(uint32_t index) const { return textures_[index]; }
   uint32_t use(std::string_view name, const std::string& texture) {
-    const Where place{.parent = &where_, .kind = "field", .name = name};
-    return textures_.use(place, texture);
+    return textures_.use(where_, name, texture);
   }
 
  private:

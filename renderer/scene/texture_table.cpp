@@ -32,14 +32,14 @@ TextureTable::TextureTable(const v1::Scene& scene, const BlobStore& blobs)
   }
 }
 
-const v1::Texture& TextureTable::find(const Where& where, const std::string& name) const {
+const v1::Texture& TextureTable::find(const Where& where, std::string_view field,
+                                      const std::string& name) const {
   const auto found = by_name_.find(name);
   if (found != by_name_.end()) return *found->second;
   std::vector<std::string> known;
   for (const v1::Texture& texture : scene_.textures()) known.push_back(texture.name());
-  throw scene_error(SourcePlace{where.str()},
-                    fmt::format("texture '{}' is not defined{}", name, suggestion(name, known)),
-                    "");
+  fail_value(where, field, fmt::format("'{}'", name),
+             "the name of a texture" + suggestion(name, known));
 }
 
 std::shared_ptr<const ImageTexture> TextureTable::read_image(const Where& where,
@@ -50,16 +50,16 @@ std::shared_ptr<const ImageTexture> TextureTable::read_image(const Where& where,
 }
 
 std::shared_ptr<const ImageTexture> TextureTable::use_image(const Where& where,
+                                                            std::string_view field,
                                                             const std::string& name) {
-  const v1::Texture& in = find(where, name);
-  if (!in.has_image()) {
-    fail_value(where, fmt::format("texture '{}'", name), "no image", "a texture with an image");
+  if (!find(where, field, name).has_image()) {
+    fail_value(where, field, fmt::format("'{}'", name), "a texture with an image");
   }
-  return textures_[use(where, name)].image;
+  return textures_[use(where, field, name)].image;
 }
 
-uint32_t TextureTable::use(const Where& where, const std::string& name) {
-  const v1::Texture& in = find(where, name);
+uint32_t TextureTable::use(const Where& where, std::string_view field, const std::string& name) {
+  const v1::Texture& in = find(where, field, name);
   const Where place{.kind = "texture", .name = name};
   if (std::find(active_.begin(), active_.end(), &in) != active_.end()) {
     fail_value(place, "checker", "made of itself", "other textures");
@@ -111,8 +111,7 @@ TexturedColor TextureTable::read(const Where& where, std::string_view field,
                                  const v1::ColorInput& input, const Color& fallback) {
   TexturedColor out{fallback};
   if (!input.texture().empty()) {
-    const Where place{.parent = &where, .kind = "field", .name = field};
-    out = {kWhite, use(place, input.texture())};
+    out = {kWhite, use(where, fmt::format("{}.texture", field), input.texture())};
   }
   if (input.has_value()) out.value = checked(where, field, input.value());
   return out;

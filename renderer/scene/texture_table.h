@@ -20,11 +20,12 @@ class TextureTable {
   /// Both must outlive this. Throws a scene error where a name comes twice.
   TextureTable(const v1::Scene& scene, const BlobStore& blobs);
 
-  /// The index of the texture called `name`. Throws a scene error that begins with `where` for an
-  /// unknown one, and one for a texture that is wrong or a part of itself.
-  uint32_t use(const Where& where, const std::string& name);
+  /// The index of the texture that `field` calls `name`. Throws a scene error that names the field
+  /// for an unknown one, and one for a texture that is wrong or a part of itself.
+  uint32_t use(const Where& where, std::string_view field, const std::string& name);
   /// The same of an image texture alone, for where no other can be.
-  std::shared_ptr<const ImageTexture> use_image(const Where& where, const std::string& name);
+  std::shared_ptr<const ImageTexture> use_image(const Where& where, std::string_view field,
+                                                const std::string& name);
   /// `input`'s colour, `fallback` where it is not given.
   TexturedColor read(const Where& where, std::string_view field, const v1::ColorInput& input,
                      const Color& fallback);
@@ -40,7 +41,8 @@ class TextureTable {
   std::vector<Texture> take() { return std::move(textures_); }
 
  private:
-  const v1::Texture& find(const Where& where, const std::string& name) const;
+  const v1::Texture& find(const Where& where, std::string_view field,
+                          const std::string& name) const;
   std::shared_ptr<const ImageTexture> read_image(const Where& where, const v1::Texture::Image& in);
 
   const v1::Scene& scene_;

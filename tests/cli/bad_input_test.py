@@ -249,6 +249,14 @@ class BadScenes(TesseraTest):
                      "  keys { time: 9 transform { steps { scale { x: 1 y: 1 z: 1 } } } }\n}\n",
                      "scene.tessera:3:3: ", "the same kinds of steps")
 
+    def test_an_undefined_texture_is_located(self):
+        sphere = 'nodes { shape { sphere { } materials: "m" } }\n'
+        for field in ["physical {\n  base_color { texture: 'x' } }", "physical {\n  roughness { texture: 'x' } }",
+                      "\n  normal_map: 'x'"]:
+            self.refused("scene.tessera", sphere + f"materials {{ name: 'm' {field} }}\n", "scene.tessera:3:",
+                         "'x'; expected the name of a texture")
+        self.refused("scene.tessera", "background { cube {\n  top: 'x' } }\n", "scene.tessera:2:3: ", "cube.top is 'x'")
+
     def test_a_picture_is_called_by_its_name(self):
         data = stored_pictures.exr({"R": 1, "G": 1, "B": 1})
         for name, cut in (("short.exr", data[:-5]), ("head.exr", b"\x76\x2f\x31\x01no picture at all")):

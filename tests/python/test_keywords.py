@@ -211,6 +211,22 @@ def test_undefined_names_are_told_with_their_place(fields, told):
         ts.Scene(materials=[ts.Classic(name="gold")], **fields).check()
 
 
+@pytest.mark.parametrize("material, path", [
+    (ts.Physical(base_color=ts.ColorInput(texture="wod")), "base_color.texture"),
+    (ts.Physical(roughness=ts.FloatInput(texture="wod")), "roughness.texture"),
+    (ts.Classic(emission=ts.ColorInput(texture="wod"), name="lamp"), "emission.texture"),
+    (ts.Classic(normal_map="wod"), "normal_map"),
+    (ts.Classic(diffuse=ts.CheckerTexture(even=ts.ColorInput(texture="wod"))), "diffuse.even.texture"),
+])
+def test_undefined_textures_are_told_with_their_place(material, path):
+    scene = ts.Scene(nodes=[ts.Sphere(material=material)], textures=[ts.NoiseTexture(name="wood")], background=1)
+    for use in (scene.check, lambda: scene.render(size=(2, 2), workers=0)):
+        with pytest.raises(ts.SceneError, match="is 'wod'; expected the name of a texture; did you mean 'wood'.$") as told:
+            use()
+        assert told.value.path == f"nodes[0].materials[0].{path}"
+        assert told.value.place.startswith(f"{__file__}:")
+
+
 def test_a_keyword_that_is_like_none_is_told_those_there_are():
     with pytest.raises(TypeError, match="^Box.. has no keyword 'size'; expected one of min, max, name, "):
         ts.Box(size=2)

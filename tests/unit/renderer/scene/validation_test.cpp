@@ -80,11 +80,13 @@ std::string texture(const std::string& fields) {
 }
 
 TEST(Validation, textures) {
-  expect_error(
-      material("classic { diffuse { texture: 'wod' } }") + "textures { name: 'wood' }",
-      "material 'm' > field 'diffuse': texture 'wod' is not defined; did you mean 'wood'?");
-  expect_error(material("normal_map: 'x'"), "field 'normal_map': texture 'x' is not defined");
-  expect_error(material("bump { texture: 'x' }"), "field 'bump': texture 'x' is not defined");
+  expect_error(material("classic { diffuse { texture: 'wod' } }") + "textures { name: 'wood' }",
+               "material 'm': diffuse.texture is 'wod'; expected the name of a texture; did you "
+               "mean 'wood'?");
+  expect_error(material("normal_map: 'x'"), "normal_map is 'x'; expected the name of a texture");
+  expect_error(material("bump { texture: 'x' }"), "material 'm': bump.texture is 'x'");
+  expect_error(texture("checker { even { texture: 'x' } }"),
+               "texture 't': checker.even.texture is 'x'");
   expect_error(texture(""), "texture 't': its kind is missing");
   expect_error("textures {}", "name is empty");
   expect_error("textures { name: 'a' } textures { name: 'a' }", "texture 'a': name is used twice");
@@ -130,11 +132,11 @@ TEST(Validation, images) {
   expect_contains(image("width: 1 height: 1 channels: 1 bits: 16", 2, all_ones), "infinite or no");
   expect_contains(message_of(texture("image { width: 1 height: 1 channels: 1 bits: 8 file: 'x' }")),
                   "image.texels is not read from 'x'");
-  expect_error("background { panorama {} }", "background: texture '' is not defined");
+  expect_error("background { panorama {} }", "background: panorama.texture is ''");
   expect_error("textures { name: 'n' noise {} } background { panorama { texture: 'n' } }",
-               "texture 'n' is no image");
+               "panorama.texture is 'n'; expected a texture with an image");
   expect_error("textures { name: 'n' noise {} } background { cube { top: 'n' } }",
-               "background > cube: texture 'n' is no image");
+               "background: cube.top is 'n'; expected a texture with an image");
 }
 
 TEST(Validation, other_materials) {
