@@ -18,6 +18,7 @@
 #include "metrics/difference.h"
 #include "metrics/picture_error.h"
 #include "metrics/ssim.h"
+#include "renderer/math/stored_samples.h"
 
 namespace tessera {
 namespace {
@@ -58,16 +59,62 @@ void print_channels(const std::vector<std::string>& names, const std::vector<dou
   say("at most           {}\n", fmt::join(texts, ", "));
 }
 
-void check_comparable(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
+void check_sizes(const CompareOptions& options, const FloatImage& a, const FloatImage& b) {
   if (a.width != b.width || a.height != b.height) {
     throw scene_error(fmt::format("sizes differ: {} is {}x{}, {} is {}x{}", options.first, a.width,
                                   a.height, options.second, b.width, b.height));
   }
-  if (a.channels != b.channels) {
+}
+
+bool has_channel(const FloatImage& image, const std::string& name) {
+  return std::ranges::find(image.channels, name) != image.channels.end();
+}
+
+bool has_colors_of(const FloatImage& image, const FloatImage& other) {
+  return std::ranges::all_of(color_channels_of(other.channels).in_order(), [&](const auto& color) {
+    return !color || has_channel(image, other.channels[*color]);
+  });
+}
+
+FloatImage with_channels(const FloatImage& image, const std::vector<std::string>& names) {
+  FloatImage made = image;
+  made.channels = names;
+  std::vector<size_t> from;
+  for (const std::string& name : names) {
+    from.push_back(
+        static_cast<size_t>(std::ranges::find(image.channels, name) - image.channels.begin()));
+  }
+  made.values.clear();
+  for (size_t pixel = 0; pixel < image.values.size(); pixel += image.channels.size()) {
+    for (const size_t channel : from) made.values.push_back(image.values[pixel + channel]);
+  }
+  return made;
+}
+
+/// Leaves in both pictures what both have, the colours among it, and warns of what is left out.
+void keep_common_channels(const CompareOptions& options, FloatImage& a, FloatImage& b) {
+  if (a.channels == b.channels) return;
+  if (!has_colors_of(a, b) || !has_colors_of(b, a)) {
     throw scene_error(fmt::format("channels differ: {} has {}; {} has {}", options.first,
                                   fmt::join(a.channels, ", "), options.second,
                                   fmt::join(b.channels, ", ")));
   }
+  const auto split = [](const FloatImage& image, const FloatImage& other) {
+    std::array<std::vector<std::string>, 2> names;  // left out and common
+    for (const std::string& name : image.channels) names[has_channel(other, name)].push_back(name);
+    return names;
+  };
+  const auto warn = [](const std::string& path, const std::vector<std::string>& names,
+                       const std::string& other) {
+    if (names.empty()) return;
+    say_warning(fmt::format("{}: {} left out; {} has no such channel", path, fmt::join(names, ", "),
+                            other));
+  };
+  const auto [only_a, common] = split(a, b);
+  warn(options.first, only_a, options.second);
+  warn(options.second, split(b, a)[0], options.first);
+  a = with_channels(a, common);
+  b = with_channels(b, common);
 }
 
 /// Where the numbers of the two files stand for different things, what those are.
@@ -113,10 +160,11 @@ ExitCode compare(const CompareOptions& options) {
   for_each_parallel(2, core_count(), [&](size_t i) {
     pictures[i] = read_picture(i == 0 ? options.first : options.second);
   });
-  const auto& [a, b] = pictures;
+  auto& [a, b] = pictures;
   if (!a.part_note.empty()) say_warning(fmt::format("{}: {}", options.first, a.part_note));
   if (!b.part_note.empty()) say_warning(fmt::format("{}: {}", options.second, b.part_note));
-  check_comparable(options, a, b);
+  check_sizes(options, a, b);
+  keep_common_channels(options, a, b);
   const Difference d = difference_of(a.values, b.values, a.channels.size(),
                                      static_cast<size_t>(a.width), options.max_difference);
   say("size              {}x{}\n", a.width, a.height);
@@ -143,9 +191,11 @@ void add_compare_command(CLI::App& app, Action& action) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = app.add_subcommand("compare", "Tell how two pictures differ");
   command->footer(
-      "Every channel counts, alpha too, and both pictures must have the same ones. Values are "
-      "those\n"
-      "of the files, neither decoded: integers are sRGB codes from 0 to 1, floats linear light. "
+      "Every channel that both pictures have counts, and both must have the same colours and "
+      "alpha;\n"
+      "other channels of one alone, such as AOVs, are left out with a warning. Values are those "
+      "of\n"
+      "the files, neither decoded: integers are sRGB codes from 0 to 1, floats linear light. "
       "Where\n"
       "the two differ in this, the line 'as stored' says so; --metrics decodes both.\n"
       "Places count pixels from the left and from the top, a part is X0,Y0,X1,Y1 as in --crop.\n"

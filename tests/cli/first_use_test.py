@@ -14,6 +14,7 @@ import unittest
 
 import animation
 import scenes
+from stored_pictures import exr
 from tessera_process import PATIENCE, PROGRAM, TesseraTest, nightly
 
 SMALL = ["--size", "48x32", "--workers", "0", "--threads", "1"]
@@ -470,6 +471,23 @@ class Compare(TesseraTest):
                          r"at most +(R|A) by 0\.2\d*, (R|A) by 0\.(2|19)\d*\n")
         self.assert_error(self.run_program("compare", "a.tga", "rgb.tga"), 1, "channels differ",
                           "a.tga has R, G, B, A; rgb.tga has R, G, B")
+
+    def test_aovs_of_one_picture_alone_are_left_out(self):
+        colors = {"R": .5, "G": .25, "B": 1}
+        self.write("plain.exr", exr(colors))
+        self.write("aovs.exr", exr(colors | {"depth.Z": 4, "id.I": 2}))
+        self.write("grey.exr", exr({"Y": .5, "depth.Z": 4}))
+        self.write("darker.exr", exr(colors | {"R": .25, "depth.Z": 4, "normal.X": 1}))
+        for pair in (["plain.exr", "aovs.exr"], ["aovs.exr", "plain.exr"]):
+            result = self.run_program("compare", *pair)
+            self.assertEqual(0, result.code, result.err)
+            self.assertEqual("tessera: warning: aovs.exr: depth.Z, id.I left out; plain.exr has no such channel\n", result.err)
+        both = self.run_program("compare", "aovs.exr", "darker.exr")
+        self.assertEqual(1, both.code)
+        self.assertRegex(both.out, r"at most +R by 0\.25\n")
+        for left_out in ("aovs.exr: id.I left out", "darker.exr: normal.X left out"):
+            self.assertIn(left_out, both.err)
+        self.assert_error(self.run_program("compare", "plain.exr", "grey.exr"), 1, "channels differ")
 
     def test_missing(self):
         self.write("a.ppm", b"P6\n1 1\n255\n\0\0\0")
