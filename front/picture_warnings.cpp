@@ -135,14 +135,18 @@ void add_odd_numbers(const v1::Scene& scene, std::vector<std::string>& warnings)
                               material.has_physical() ? "base_color" : "diffuse",
                               numbers_of(color.value())));
   }
-  any_message(scene, [&taken](const pb::Message& message) {
-    const auto* light = dynamic_cast<const v1::Light*>(&message);
-    if (light && light->intensity() < 0) {
-      taken.add(
-          fmt::format("{}: intensity is {:g}", named("light", light->name()), light->intensity()));
-    } else if (light && has_negative(light->color())) {
-      taken.add(fmt::format("{}: color is {}", named("light", light->name()),
-                            numbers_of(light->color())));
+  const auto check = [&taken](const std::string& name, const v1::Light& light) {
+    if (light.intensity() < 0) {
+      taken.add(fmt::format("{}: intensity is {:g}", name, light.intensity()));
+    } else if (has_negative(light.color())) {
+      taken.add(fmt::format("{}: color is {}", name, numbers_of(light.color())));
+    }
+  };
+  any_message(scene, [&check](const pb::Message& message) {
+    if (const auto* node = dynamic_cast<const v1::Node*>(&message)) {
+      check(named("light", node->light().name()), node->light());
+    } else if (const auto* camera = dynamic_cast<const v1::Camera*>(&message)) {
+      check("headlight of " + named("camera", camera->name()), camera->headlight());
     }
     return false;
   });

@@ -417,6 +417,13 @@ def test_numbers_that_make_or_take_light_are_told_by_both_front_ends(tessera, tm
             ts.Sphere(material=ts.Classic(diffuse=1, emission=40))]).render(workers=0)
 
 
+def test_a_headlight_that_takes_light_is_told_with_its_camera(tessera, tmp_path):
+    cameras = [ts.Camera(name="front", headlight=ts.DirectionalLight((0, 0, -1), intensity=-1))]
+    ts.Scene(nodes=[ts.Sphere()], cameras=cameras).save(tmp_path / "odd.tessera")
+    assert json.loads(tessera("info", tmp_path / "odd.tessera", "--json"))["warnings"] == [
+        "headlight of camera 'front': intensity is -1; expected 0 or more, as it takes light away"]
+
+
 def test_nodes_that_their_transform_makes_flat_are_told(tessera, tmp_path):
     node = 'nodes { name: "%s" %s shape { sphere { radius: 1 } } %s }\n'
     flat = "transform { steps { scale { x: 1 y: %s z: 1 } } }"
