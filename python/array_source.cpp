@@ -63,11 +63,24 @@ Array::Shape contiguous_strides(const Array::Shape& shape, py::ssize_t item_size
 
 }  // namespace
 
-void refuse_masked(py::handle given, const std::string& name) {
-  if (!py::hasattr(given, "filled")) return;
+bool is_boolean(py::handle value) {
+  // As numpy 1 and 2 name theirs.
+  const std::string_view type = Py_TYPE(value.ptr())->tp_name;
+  return PyBool_Check(value.ptr()) || type == "numpy.bool_" || type == "numpy.bool";
+}
+
+bool has_masked(py::handle given) {
+  const PyTypeObject* type = Py_TYPE(given.ptr());
+  for (const PyTypeObject* plain : {&PyFloat_Type, &PyLong_Type, &PyTuple_Type, &PyList_Type})
+    if (type == plain) return false;  // without the slow look for an attribute
+  if (!py::hasattr(given, "filled")) return false;
   const py::object mask = py::getattr(given, "mask", py::none());
-  if (py::hasattr(mask, "any") && py::bool_(mask.attr("any")()))
-    throw py::value_error(name + ": masked values; expected none, as in the array's filled()");
+  return py::hasattr(mask, "any") && py::bool_(mask.attr("any")());
+}
+
+void refuse_masked(py::handle given, const std::string& name) {
+  if (has_masked(given))
+    throw py::value_error(fmt::format("{}: {}; expected {}", name, kMasked[0], kMasked[1]));
 }
 
 namespace {
@@ -119,7 +132,14 @@ class Flattener {
     ArraySource source;
     source.shape = shape_;
     source.read_only = false;
-    if (all_whole_) {
+    if (all_boolean_ && complete_) {
+      const auto kept =
+          std::make_shared<const std::vector<uint8_t>>(numbers_.begin(), numbers_.end());
+      source.data = reinterpret_cast<const std::byte*>(kept->data());
+      source.kind = '?';
+      source.item_size = 1;
+      source.owner = kept;
+    } else if (all_whole_) {
       const auto kept = std::make_shared<const std::vector<int64_t>>(std::move(whole_));
       source.data = reinterpret_cast<const std::byte*>(kept->data());
       source.kind = 'i';
@@ -138,6 +158,7 @@ class Flattener {
   static constexpr size_t kMostAxes = 8;
 
   void add(py::handle given, size_t axis) {
+    refuse_masked(given, name_);
     const bool is_sequence = PySequence_Check(given.ptr()) && !PyUnicode_Check(given.ptr()) &&
                              !PyBytes_Check(given.ptr());
     if (!is_sequence) return add_number(given, axis);
@@ -178,7 +199,10 @@ class Flattener {
                                        with_article(Py_TYPE(given.ptr())->tp_name)));
     }
     numbers_.push_back(number);
+    const bool boolean = is_boolean(given);
+    all_boolean_ = all_boolean_ && boolean;
     if (!all_whole_) return;
+    if (boolean) return whole_.push_back(number != 0);
     int overflow = 0;
     // Those of numpy are whole numbers too.
     const auto index = py::reinterpret_steal<py::object>(
@@ -192,6 +216,7 @@ class Flattener {
   const std::string& name_;
   Array::Shape shape_;
   bool complete_ = false;  ///< a number was met, so that the number of axes is known
+  bool all_boolean_ = true;
   bool all_whole_ = true;
   bool is_huge_ = false;  ///< the first that is none of `whole_` is a whole number
   std::vector<double> numbers_;

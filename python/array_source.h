@@ -34,8 +34,14 @@ struct ArraySource {
   bool is_plain(ElementType type) const;
 };
 
-/// Throws ValueError for an array of numpy.ma that has masked values, which its buffer does not
-/// tell. Needs the GIL.
+/// Whether it is True or False, of Python or of numpy. Needs the GIL.
+bool is_boolean(pybind11::handle value);
+/// What is said of masked values: found, and expected.
+inline constexpr const char* kMasked[] = {"masked values", "none, as in the array's filled()"};
+/// Whether it is an array of numpy.ma with masked values, which its buffer does not tell, or
+/// numpy.ma.masked itself, which converts to a number. Needs the GIL.
+bool has_masked(pybind11::handle given);
+/// Throws ValueError where it has.
 void refuse_masked(pybind11::handle given, const std::string& name);
 
 /// Takes whatever has the buffer protocol, `__array__`, or is a sequence of sequences of numbers.

@@ -50,12 +50,6 @@ py::object call_python(py::handle function, py::handle argument) {
   return py::reinterpret_steal<py::object>(made);
 }
 
-bool is_boolean(py::handle value) {
-  // As numpy 1 and 2 name theirs.
-  const std::string_view type = Py_TYPE(value.ptr())->tp_name;
-  return PyBool_Check(value.ptr()) || type == "numpy.bool_" || type == "numpy.bool";
-}
-
 }  // namespace
 
 template <class Take>
@@ -299,6 +293,7 @@ void ValueReader::read_color(py::handle held, v1::Color& color) {
 }
 
 void ValueReader::read_numbers(py::handle held, Message& message) {
+  refuse_masked(held);
   const pb::Descriptor& type = *message.GetDescriptor();
   PyObject* fast = py::isinstance<py::str>(held) ? nullptr : PySequence_Fast(held.ptr(), "");
   if (!fast) fail(describe_found(held), fmt::format("{} numbers", type.field_count()));
@@ -344,6 +339,10 @@ void ValueReader::read_member(py::handle held, const Field& field) {
   collect(held, *made);
 }
 
+void ValueReader::refuse_masked(py::handle held) const {
+  if (has_masked(held)) fail(kMasked[0], kMasked[1]);
+}
+
 double ValueReader::to_number(py::handle held) const {
   if (is_boolean(held)) fail(describe_found(held), "a number");
   if (PyFloat_CheckExact(held.ptr())) {
@@ -351,6 +350,7 @@ double ValueReader::to_number(py::handle held) const {
     if (!std::isfinite(number)) fail(describe_found(held), "a finite number");
     return number;
   }
+  refuse_masked(held);
   const double number = PyFloat_AsDouble(held.ptr());
   if (number == -1 && PyErr_Occurred()) fail(describe_found(held), "a number");
   if (!std::isfinite(number)) fail(describe_found(held), "a finite number");
@@ -358,6 +358,7 @@ double ValueReader::to_number(py::handle held) const {
 }
 
 int64_t ValueReader::to_integer(py::handle held, int64_t least, int64_t most) const {
+  refuse_masked(held);
   const bool wants_boolean = least == 0 && most == 1;
   const std::string expected =
       wants_boolean ? "True or False" : fmt::format("a whole number from {} to {}", least, most);

@@ -94,6 +94,7 @@ class ValueReader {
   /// The texture that an array stands for. `of_normals`: of numbers, not of colours.
   pybind11::object texture_of(pybind11::handle picture, bool of_normals) const;
   void read_member(pybind11::handle held, const Field& field);
+  void refuse_masked(pybind11::handle held) const;
   double to_number(pybind11::handle held) const;
   int64_t to_integer(pybind11::handle held, int64_t least, int64_t most) const;
   std::string to_text(pybind11::handle held) const;

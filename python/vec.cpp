@@ -28,8 +28,7 @@ struct Vec {
 
 Vec take(py::handle given) {
   if (py::isinstance<Vec>(given)) return given.cast<Vec>();
-  if (!PyTuple_CheckExact(given.ptr()) && !PyList_CheckExact(given.ptr()))
-    refuse_masked(given, "vector");
+  refuse_masked(given, "vector");
   // A tuple of its own: a list may change its length while a number of the user's is read.
   const auto items = py::reinterpret_steal<py::tuple>(
       py::isinstance<py::str>(given) ? nullptr : PySequence_Tuple(given.ptr()));
@@ -38,6 +37,7 @@ Vec take(py::handle given) {
   Vec vec{};
   for (size_t axis = 0; axis < 3; ++axis) {
     const py::handle item = PyTuple_GET_ITEM(items.ptr(), static_cast<py::ssize_t>(axis));
+    refuse_masked(item, "vector");
     vec.at[axis] = PyFloat_AsDouble(item.ptr());
     if (vec.at[axis] == -1 && PyErr_Occurred()) refuse(describe_found(item));
   }

@@ -120,7 +120,8 @@ def _without_nul(name: str, text: str) -> str:
 
 
 def number(name: str, value: Any) -> float:
-    """Any number that has a float's value; TypeError for all else."""
+    """Any number that has a float's value; TypeError for all else. Refuses masked values."""
+    _core.refuse_masked(value, name)
     if not isinstance(value, bool) and (hasattr(value, "__float__") or hasattr(value, "__index__")):
         try:
             return float(value)

@@ -56,13 +56,15 @@ def color(given: ColorLike) -> Color:
         return _from_text(given)
     numbers: Any = given
     _core.refuse_masked(numbers, "color")
+    if hasattr(numbers, "__float__") and not hasattr(numbers, "__iter__"):
+        numbers = 3 * (numbers,)
     try:
-        if hasattr(numbers, "__float__") and not hasattr(numbers, "__iter__"):
-            return Color(*3 * (float(numbers),))
-        r, g, b = (float(c) for c in (() if isinstance(numbers, bytes) else numbers))
-    except (TypeError, ValueError, OverflowError):
-        raise UsageError(f"color: {given!r:.100}; expected a name, '#rrggbb', three numbers or one") from None
-    return Color(r, g, b)
+        parts = [] if isinstance(numbers, bytes) else [number("color", part) for part in numbers]
+    except TypeError:
+        parts = []
+    if len(parts) != 3:
+        raise UsageError(f"color: {given!r:.100}; expected a name, '#rrggbb', three numbers or one")
+    return Color(*parts)
 
 
 def hsl(hue: float, saturation: float, lightness: float) -> Color:

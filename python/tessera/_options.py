@@ -38,6 +38,7 @@ def _text(name: str, value: Any) -> Union[bool, str]:
         raise TypeError(f"{name}: {value!r:.100}; expected {_TEXTS[name]}")
     if isinstance(value, bool):
         return value
+    _core.refuse_masked(value, name)
     if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a number of numpy
         return _text(name, value.item())
     if isinstance(value, (int, float)):

@@ -449,6 +449,33 @@ def test_masked_values_are_refused():
             use()
 
 
+@pytest.mark.parametrize("use", [
+    lambda hole: ts.Scene(nodes=[ts.Sphere(radius=hole)]).digest,
+    lambda hole: ts.Scene(nodes=[ts.Sphere(center=(0, hole, 0))]).digest,
+    lambda hole: ts.Scene(nodes=[ts.Sphere(material=ts.Classic(diffuse=hole))]).digest,
+    lambda hole: ts.Scene(width=hole).digest,
+    lambda hole: ts.Scene(cameras=[ts.Camera.look_at((0, 0, 5), (0, 0, 0), fov=hole)]).to_dict(),
+    lambda hole: ts.Scene().render(workers=0, time=hole),
+    lambda hole: ts.Scene().render(workers=0, size=(4, hole)),
+    lambda hole: ts.Farm(timeout=hole), lambda hole: ts.Mesh([(0, hole, 0)]), lambda hole: ts.Vec((0, hole, 0)),
+    lambda hole: ts.color((hole, 0, 0)),
+])
+def test_a_masked_number_is_refused_before_it_is_converted(use):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ValueError, match="masked values; expected none, as in the array's filled"):
+            use(np.ma.masked)
+
+
+def test_booleans_are_no_indices_in_lists_either():
+    for booleans in ([[True, False, True]], [[np.True_, np.False_, np.True_]], np.array([[True, False, True]])):
+        with pytest.raises(TypeError, match="^triangles: booleans; expected an integer type"):
+            ts.Mesh(TRIANGLE, booleans)
+    with pytest.raises(TypeError, match="^face_materials: booleans; expected an integer type"):
+        ts.Mesh(TRIANGLE, [(0, 1, 2)], face_materials=[True])
+    assert len(ts.Mesh(TRIANGLE, [], face_materials=[]).triangles) == 0
+
+
 @pytest.mark.parametrize("wrong", [np.ones(3, complex), np.full(3, "1")])
 def test_transforms_move_real_numbers(wrong):
     with pytest.raises(TypeError, match="points: dtype .*; expected float64 or what fits into it"):
