@@ -101,15 +101,15 @@ def folder_text(assets: Optional[Path]) -> str:
     return "" if assets is None else named_text("assets", assets)
 
 
-def file_name(path: Path) -> bytes:
+def file_name(path: Path, keyword: str = "path") -> bytes:
     """The name of a file to C++, whose names need not be UTF-8."""
     if not isinstance(path, (str, bytes, os.PathLike)):
-        raise TypeError(f"path: {path!r:.100}; expected the name of a file")
+        raise TypeError(f"{keyword}: {path!r:.100}; expected the name of a file")
     try:
         name = os.fsencode(path)
     except UnicodeEncodeError:
-        raise UsageError(f"path: {os.fspath(path)!r:.200}; expected the name of a file") from None
-    _without_nul("path", os.fsdecode(name))
+        raise UsageError(f"{keyword}: {os.fspath(path)!r:.200}; expected the name of a file") from None
+    _without_nul(keyword, os.fsdecode(name))
     return name
 
 

@@ -9,7 +9,7 @@ from typing import (TYPE_CHECKING, Any, Callable, List, Literal, NamedTuple, NoR
                     Union, overload)
 
 from . import _core
-from ._arguments import boolean, file_name, named_text, refuse_unknown
+from ._arguments import boolean, file_name, named_text, refuse_unknown, with_article
 from ._array import as_ndarray, plain_array
 from ._callers import level_of_caller
 from ._options import option_texts
@@ -322,7 +322,10 @@ def read_image(path: Path) -> Image:
 
     Other channels of the file, such as AOVs, are left out. Raises MissingFile where there is none, and
     SceneError for a file that holds no picture."""
-    name = file_name(path)
+    return _read(file_name(path))
+
+
+def _read(name: bytes) -> Image:
     if not os.path.exists(name):
         raise MissingFile.of(os.fsdecode(name), "a picture")
     picture, told = _core.picture_from_file(name)
@@ -332,9 +335,9 @@ def read_image(path: Path) -> Image:
 
 
 def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
-    """How far picture a is from picture b, the reference, in linear light: images, or paths of files. Raises
-    UsageError for pictures of different sizes, and what `read_image` raises."""
-    first, second = (p if isinstance(p, Image) else read_image(p) for p in (a, b))
+    """How far picture a is from picture b, the reference, in linear light: images, or paths of files. AOVs
+    are left out. Raises UsageError for pictures of different sizes, and what `read_image` raises."""
+    first, second = _picture_of("a", a), _picture_of("b", b)
     if (first.width, first.height) != (second.width, second.height):
         raise UsageError(f"b: size {second.width}x{second.height}; expected {first.width}x"
                          f"{first.height}, that of a")
@@ -342,3 +345,11 @@ def compare(a: Union[Image, Path], b: Union[Image, Path]) -> Metrics:
     differ = told["differing"] > 0
     told.update(where=Rect(*told["where"]) if differ else None, worst=told["worst"] if differ else None)
     return Metrics(**told)
+
+
+def _picture_of(name: str, given: Union[Image, Path]) -> Image:
+    if isinstance(given, Image):
+        return given
+    if not isinstance(given, (str, bytes, os.PathLike)):
+        raise TypeError(f"{name}: {with_article(given)}; expected an Image or the path of a file")
+    return _read(file_name(given, name))

@@ -200,6 +200,7 @@ SMALL = {"size": (4, 4), "workers": 0}
     (lambda: ts.load(3), "path: 3; expected the path of a file"),
     (lambda: SCENE.save(3), "path: 3; expected the name of a file"),
     (lambda: IMAGE.save(3), "path: 3; expected the name of a file"),
+    (lambda: ts.compare(IMAGE, np.zeros((2, 2, 3))), "b: a ndarray; expected an Image or the path of a file"),
     (lambda: SCENE.tracer().spawn(3, (0, 0, 1)), "hits: 3; expected Hits or AllHits"),
     (lambda: ts.Sphere().mirror((0, 1, 0)), "plane: (0, 1, 0); expected a Plane"),
     (lambda: ts.load_dict(None), "description: None; expected a dict"),
