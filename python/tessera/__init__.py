@@ -15,7 +15,7 @@ from ._messages import (Attenuation, AxisAngle, BackgroundCube, BackgroundGradie
                         Material, Matrix, Metadata, NoiseTexture, Object, Orthographic, Output,
                         Panoramic, Perspective, Physical, PointLight, Sampling, Settings, SpotLight,
                         Texture, TransformKey, TransformStep, Unlit)
-from ._arguments import nearest as _nearest
+from ._arguments import refuse_attribute as _refuse_attribute
 from ._colors import Color, color, hsl
 from ._core import Array, Vec, solve_quadratic, version as __version__
 from ._graph import Instances
@@ -155,5 +155,4 @@ __all__ = [
 if not _TYPE_CHECKING:  # for mypy a module that has this has every name
     def __getattr__(name: str) -> _NoReturn:
         """Raises AttributeError that tells the nearest public name."""
-        hint = "" if name.startswith("_") else _nearest(name, __all__)
-        raise AttributeError(f"module 'tessera' has no attribute '{name}'{hint}")
+        _refuse_attribute(__name__, name, __all__)

@@ -15,6 +15,12 @@ T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+def refuse_attribute(module: str, name: str, public: List[str]) -> NoReturn:
+    """Says that a module has no such attribute, and which public one is nearest."""
+    hint = "" if name.startswith("_") else nearest(name, public)
+    raise AttributeError(f"module '{module}' has no attribute '{name}'{hint}")
+
+
 def refuse_unknown(function: str, unknown: Mapping[str, Any], known: List[str]) -> NoReturn:
     """Says that a function has no such keyword, and which is nearest, or else which it has."""
     name = next(iter(unknown))

@@ -1,9 +1,9 @@
 """Stand-ins for classes of other packages."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Tuple, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, Tuple, Union, overload
 
-from ._arguments import tells_unknown
+from ._arguments import refuse_attribute, tells_unknown
 from ._types import ArrayLike
 from ._mesh import Mesh
 from .errors import UsageError
@@ -90,3 +90,9 @@ class MeshIntersector:
         for arrays of other shapes than (n, 3)."""
         _check_rows(points=points)
         return self._tracer.contains(points).copy()
+
+
+if not TYPE_CHECKING:  # for mypy a module that has this has every name
+    def __getattr__(name: str) -> NoReturn:
+        """Raises AttributeError that tells the nearest public name."""
+        refuse_attribute(__name__, name, __all__)

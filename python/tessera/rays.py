@@ -282,8 +282,9 @@ class Tracer:
         where = f" at {count} edge{'s' * (count > 1)}, as that between vertices {begin} and {end}" if count else ""
         expected = ("each edge between two triangles that wind the same way, or method='winding'" if is_mesh else
                     "a solid with no part left out")
-        text = (f"the {'mesh' if is_mesh else 'solid'} '{self._instance_names()[number]}' is not closed{where}{more}, "
-                f"so that nothing is inside; expected {expected}")
+        name = self._instance_names()[number]
+        which = f"the {'mesh' if is_mesh else 'solid'} {repr(name) if name else number}"
+        text = f"{which} is not closed{where}{more}, so that nothing is inside; expected {expected}"
         if refuses:
             raise UsageError(f"contains: {text}")
         warnings.warn(f"contains: {text}", SceneWarning, stacklevel=level_of_caller())

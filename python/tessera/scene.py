@@ -47,8 +47,9 @@ class Summary(NamedTuple):
     undefined: List[str]
     """What is used and never defined."""
     bounds: Optional[Tuple[Corner, Corner]]
-    """The least and the largest corner around every surface, at the scene's instant. None where there
-    is no surface, or where a render would refuse the scene."""
+    """The least and the largest corner around every surface at the scene's time, in metres on the axes
+    of the world, rounded outward. None where there is no surface, as in an empty scene, or where a
+    render would refuse the scene."""
 
 
 class _Setting(Generic[T]):

@@ -157,6 +157,9 @@ def test_names_that_the_module_lacks_tell_the_nearest():
         ts.Sphre
     with pytest.raises(AttributeError, match="^module 'tessera' has no attribute '__sphere__'$"):
         ts.__sphere__
+    with pytest.raises(AttributeError, match="^module 'tessera.compat' has no attribute 'MeshIntersecto'; did you mean "
+                                             "'MeshIntersector'.$"):
+        ts.compat.MeshIntersecto
     with pytest.raises(ImportError, match="cannot import name 'Sphre'"):
         from tessera import Sphre
     assert not hasattr(ts, "zzzz")

@@ -210,6 +210,8 @@ def test_one_bad_triangle_is_told_of_and_costs_the_inside_no_more_than_its_place
     with pytest.warns(ts.SceneWarning, match=r"contains: the mesh 'part' is not closed at [36] edges, as that "
                                              r"between vertices \d+ and \d+, so that nothing is inside"):
         assert not tracer.contains(at).any()
+    with pytest.raises(ts.UsageError, match="^contains: the mesh 0 is not closed at"):
+        ts.Mesh(points, bad).tracer().contains(at, closed="error")
     with pytest.raises(ts.UsageError, match="'part' is not closed at"):
         tracer.contains(at, closed="error")
     inside = tracer.contains(at, method="winding")
