@@ -1,4 +1,5 @@
 #include "python/bindings.h"
+#include "python/value_classes.h"
 
 namespace py = pybind11;
 
@@ -26,7 +27,31 @@ PyObject* get_attribute(PyObject* self, PyObject* name) {
   return found;
 }
 
+/// What the attribute keeps of a text: of a word its one spelling.
+py::object spelt_word(py::handle self, const char* name, py::handle text) {
+  const auto kept = py::reinterpret_borrow<py::object>(text);
+  const ValueClass* made = find_value_class(self);
+  const ValueField* field = made ? made->find(name) : nullptr;
+  const auto words = field && field->field ? words_of(*field->field) : std::vector<std::string>();
+  if (words.empty()) return kept;
+  py::ssize_t size = 0;
+  const char* given = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
+  if (given) return py::str(spelt({given, static_cast<size_t>(size)}, words));
+  PyErr_Clear();  // which is no word, and refused where the value is read
+  return kept;
+}
+
 int set_attribute(PyObject* self, PyObject* name, PyObject* value) {
+  py::object word;
+  if (value && PyUnicode_CheckExact(value) && PyUnicode_Check(name)) {
+    try {
+      word = spelt_word(self, PyUnicode_AsUTF8(name), value);
+    } catch (py::error_already_set& error) {
+      error.restore();
+      return -1;
+    }
+    value = word.ptr();
+  }
   const int failed = PyObject_GenericSetAttr(self, name, value);
   if (failed) refuse_name(self, name);
   return failed;

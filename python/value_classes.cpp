@@ -1,9 +1,14 @@
 #include "python/value_classes.h"
 
+#include <algorithm>
 #include <map>
 #include <unordered_map>
 
+#include "base/choice.h"
+#include "base/lower_case.h"
 #include "proto/tessera/v1/scene.pb.h"
+#include "python/generate/enum_names.h"
+#include "renderer/accel/make_accelerator.h"
 
 namespace py = pybind11;
 namespace pb = google::protobuf;
@@ -81,10 +86,23 @@ ValueClasses& value_classes() {
 }  // namespace
 
 const ValueField& ValueClass::field(const std::string& name) const {
-  for (const ValueField& each : fields) {
-    if (each.name == name) return each;
-  }
+  if (const ValueField* found = find(name)) return *found;
   throw py::key_error(name);
+}
+
+const ValueField* ValueClass::find(std::string_view name) const {
+  const auto found = std::ranges::find(fields, name, &ValueField::name);
+  return found == fields.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> words_of(const pb::FieldDescriptor& field) {
+  if (field.enum_type()) return python_names(*field.enum_type());
+  return field.full_name() == "tessera.v1.Settings.accelerator" ? available_accelerators()
+                                                                : std::vector<std::string>();
+}
+
+std::string spelt(const std::string& text, const std::vector<std::string>& words) {
+  return find_choice(words, lower_case(text)).value_or(text);
 }
 
 const ValueClass* find_value_class(py::handle value) {

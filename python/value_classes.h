@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tessera {
@@ -24,7 +25,14 @@ struct ValueClass {
   std::vector<ValueField> fields;
 
   const ValueField& field(const std::string& name) const;
+  /// Null where there is none of that name.
+  const ValueField* find(std::string_view name) const;
 };
+
+/// The words that a field takes, as they are spelt; empty: any text, or none.
+std::vector<std::string> words_of(const google::protobuf::FieldDescriptor& field);
+/// The one of `words` that `text` is in any case and with either dash; else `text` itself.
+std::string spelt(const std::string& text, const std::vector<std::string>& words);
 
 /// The class of a value, or of what its class derives from; null for anything else. Needs the GIL.
 const ValueClass* find_value_class(pybind11::handle value);

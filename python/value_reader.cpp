@@ -218,19 +218,15 @@ void ValueReader::read_one(py::handle held, const Field& field, Message& message
       return put(&R::SetUInt32, &R::AddUInt32,
                  static_cast<uint32_t>(to_integer(held, 0, std::numeric_limits<uint32_t>::max())));
     case Field::CPPTYPE_ENUM: {
-      std::string name = lower_case(to_text(held)), names;
-      std::replace(name.begin(), name.end(), '-', '_');
-      for (int i = 0; i < field.enum_type()->value_count(); ++i) {
-        const pb::EnumValueDescriptor& value = *field.enum_type()->value(i);
-        if (python_name(value) == name)
-          return put(&R::SetEnumValue, &R::AddEnumValue, value.number());
+      const std::string text = to_text(held);
+      const std::vector<std::string> known = words_of(field);
+      const auto found = std::ranges::find(known, spelt(text, known));
+      if (found == known.end()) {
+        fail(describe_found(held),
+             fmt::format("one of {}{}", fmt::join(known, ", "), suggestion(text, known)));
       }
-      std::vector<std::string> known;
-      for (int i = 0; i < field.enum_type()->value_count(); ++i) {
-        known.push_back(python_name(*field.enum_type()->value(i)));
-      }
-      fail(describe_found(held),
-           fmt::format("one of {}{}", fmt::join(known, ", "), suggestion(name, known)));
+      const auto* value = field.enum_type()->value(static_cast<int>(found - known.begin()));
+      return put(&R::SetEnumValue, &R::AddEnumValue, value->number());
     }
     case Field::CPPTYPE_STRING:
       return put(&R::SetString, &R::AddString,

@@ -213,11 +213,8 @@ void add_enumerations(const pb::Descriptor& message, std::string& text) {
   }
   for (int i = 0; i < message.enum_type_count(); ++i) {
     const pb::EnumDescriptor& type = *message.enum_type(i);
-    std::vector<std::string> names;
-    for (int k = 0; k < type.value_count(); ++k) {
-      names.push_back(fmt::format("\"{}\"", python_name(*type.value(k))));
-    }
-    text += fmt::format("{} = Literal[{}]\n", enum_name(type), fmt::join(names, ", "));
+    text += fmt::format("{} = Literal[\"{}\"]\n", enum_name(type),
+                        fmt::join(python_names(type), "\", \""));
   }
 }
 

@@ -25,7 +25,7 @@ def sample(field):
     """A value that is not the default, and how text has it."""
     if field.type in ENUMS:
         name = ENUMS[field.type][-1]
-        return name.lower().removeprefix(field.type.split(".")[-1].lower() + "_"), name
+        return name.lower().removeprefix(field.type.split(".")[-1].lower() + "_").replace("_", "-"), name
     return {"double": (.375, "0.375"), "float": (.375, "0.375"), "bool": (True, "true"),
             "string": ("word", '"word"'), "uint32": (3, "3"), "int32": (3, "3")}[field.type]
 

@@ -333,6 +333,27 @@ def test_names_are_spelt_with_either_dash():
                 == ts.Scene(nodes=[ts.Sphere()], pattern=name).render(**SMALL))
 
 
+@pytest.mark.parametrize("field, word, other", [
+    ("accel", "bvh-splits", "bvh_splits"), ("tone_map", "reinhard-luminance", "reinhard_luminance"),
+    ("pattern", "owen-sobol", "OWEN_SOBOL"), ("filter", "blackman-harris", "blackman_harris")])
+def test_a_word_is_kept_in_one_spelling(field, word, other):
+    scene, same = ts.Scene(**{field: word}), ts.Scene(**{field: other})
+    assert getattr(same, field) == word and repr(same) == repr(scene)
+    assert same == scene and same.digest == scene.digest
+    assert getattr(ts.load_dict(scene.to_dict()), field) == word
+
+
+def test_words_and_errors_of_values_are_spelt_as_those_of_keywords():
+    paint = ts.Classic(name="front_only", sides="front_only")
+    assert (paint.name, paint.sides) == ("front_only", "front-only")
+    paint.sides = "back_material"
+    assert paint.sides == "back-material"
+    expected = "'blackmn-h_s'; expected one of box, tent, gaussian, mitchell, blackman-harris"
+    for use in (lambda: SCENE.render(filter="blackmn-h_s", **SMALL), ts.Scene(filter="blackmn-h_s").check):
+        with pytest.raises(ts.Error, match=expected):
+            use()
+
+
 def test_files(tmp_path):
     bad = tmp_path / "bad.tessera"
     with pytest.raises(ts.MissingFile) as told:

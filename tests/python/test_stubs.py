@@ -26,8 +26,8 @@ import numpy as np
 import numpy.typing as npt
 import tessera as ts
 
-scene = ts.Scene(width=64, height=36, spp=4, integrator="path", filter="blackman_harris")
-red = ts.Classic(diffuse="red", sides="front_only")
+scene = ts.Scene(width=64, height=36, spp=4, integrator="path", filter="blackman-harris")
+red = ts.Classic(diffuse="red", sides="front-only")
 node: ts.Node = scene.add(ts.Sphere((0, 0, 0), 1.0, material=red), transform=ts.translate(1, 2, 3))
 node.transform = ts.translate(1, 2, 3) @ ts.scale(2) @ ts.rotate("x", 90)
 scene.add([ts.PointLight(np.zeros(3), intensity=2), ts.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)])], scene)
@@ -37,7 +37,7 @@ scene.background = ts.Background(glow=.5)
 scene.background = ts.Background.gradient(sky="skyblue", ground=(1, 1, 1))
 sky: ts.Background = scene.background
 if sky.gradient is not None:
-    sky.gradient.model = "absolute_y"
+    sky.gradient.model = "absolute-y"
 solid: ts.Csg = ts.Sphere() - ts.Box()
 moved: ts.Sphere = ts.Sphere().shift((1, 0, 0)).flip()
 digest: str = scene.digest
@@ -69,7 +69,7 @@ ts.Classic(diffuse="red", sides="FRONT_ONLY")
 ts.Classic(diffuse=object())
 ts.Classic.toolbox(diffus=.5)
 ts.Scene(widht=64)
-ts.Scene(pattern="owen-sobol")
+ts.Scene(pattern="owen_sobol")
 ts.Scene(integrator="paht")
 scene.width = "64"
 scene.filter = "cone"
