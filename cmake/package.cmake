@@ -59,6 +59,13 @@ if(TARGET tessera_python)
   include(package_python)
 endif()
 
+# Every cpack makes the same bytes of the same files: those have the time of the changelog's last entry.
+file(STRINGS deploy/debian/changelog released REGEX "^ -- .*>  " LIMIT_COUNT 1)
+string(REGEX REPLACE ".*>  " "" released "${released}")
+execute_process(COMMAND date "--date=${released}" +%s OUTPUT_VARIABLE released OUTPUT_STRIP_TRAILING_WHITESPACE
+                COMMAND_ERROR_IS_FATAL ANY)
+set(CPACK_PROJECT_CONFIG_FILE "${CMAKE_BINARY_DIR}/package/time.cmake")
+file(WRITE "${CPACK_PROJECT_CONFIG_FILE}" "set(ENV{SOURCE_DATE_EPOCH} ${released})\n")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "ray-tracing renderer that spreads a frame over a farm")
 set(CPACK_PACKAGE_CONTACT "The Tessera authors <tessera@example.org>")
