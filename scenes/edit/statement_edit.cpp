@@ -49,16 +49,15 @@ constexpr StatementWord kMtlWords[] = {
     {"bump", ValueKind::file, "", "picture of heights", kAny},
     {"norm", ValueKind::file, "", "picture of normals", kAny}};
 
-/// Beside these: what begins a material, and what lines of .obj say.
+/// The statement that begins a material, and its help.
 constexpr std::pair<std::string_view, std::string_view> kNewMaterial{
     "newmtl", "begins a material of that name"};
+/// The statements of .obj that are read, each with its help.
 constexpr std::pair<std::string_view, std::string_view> kObjWords[] = {
     {"v", "a vertex: x y z, and perhaps a weight or r g b"},
     {"vt", "a texture coordinate: u v"},
     {"vn", "a normal: x y z"},
     {"f", "a face: its corners, each vertex/texture/normal, counted from 1"},
-    {"l", "a line: its vertices"},
-    {"p", "points: their vertices"},
     {"o", "begins an object of that name"},
     {"g", "begins a group of these names"},
     {"s", "a smoothing group, or off"},
@@ -225,16 +224,15 @@ Completions statement_completions(const Outline& outline, size_t offset) {
     made.items.push_back(
         {std::string(name), fmt::format("{} ", name), std::move(detail), std::string(help)});
   };
-  if (begin < made.replaced.begin) {  // behind a word
+  if (begin < made.replaced.begin) {  // behind a word, where names have dots and slashes
+    while (made.replaced.begin > begin && !is_blank(text[made.replaced.begin - 1]))
+      --made.replaced.begin;
+    while (made.replaced.end < text.size() && !is_space(text[made.replaced.end]))
+      ++made.replaced.end;
     const SourceRange first = word_around(text, begin);
     const std::string_view name = text_of(text, first);
     if (outline.language() == Language::mtl && describe_statement(name).kind == ValueKind::file) {
       made.files = Completions::Files::picture;
-      uint32_t from = made.replaced.begin;
-      while (from > begin && !is_blank(text[from - 1])) --from;
-      made.replaced.begin = from;
-      while (made.replaced.end < text.size() && !is_space(text[made.replaced.end]))
-        ++made.replaced.end;
     } else if (name == "usemtl") {
       for (const Entity& entity : outline.entities())
         if (entity.type == "usemtl" && entity.range.begin != first.begin &&

@@ -22,30 +22,35 @@ bool is_word_character(char c) {
 
 /// Values of a field: its choices, names of nodes, files.
 void add_x3d_values(const Outline& outline, std::string_view type, const Field& field,
-                    size_t offset, Completions& into) {
+                    Completions& into) {
   for (const std::string& choice : field.choices) into.items.push_back({choice, choice, "", ""});
-  if (field.kind == ValueKind::file) {
+  if (field.kind == ValueKind::file)
     into.files = type == "Inline" ? Completions::Files::model : Completions::Files::picture;
-    into.replaced = quoted_around(outline.text(), offset);
-  }
   if (field.kind != ValueKind::reference) return;
   for (const Entity& entity : outline.entities())
     for (const Field& one : entity.fields)
       if (one.name == "DEF") into.items.push_back({one.text, one.text, entity.type, ""});
 }
 
-/// Fields that the element does not have yet; `suffix` is written behind each.
+/// Fields that the element does not have yet, also those of nodes if `with_nodes`; `suffix` is
+/// written behind each.
 void add_x3d_fields(const Outline& outline, const SyntaxNode& element, const X3dNodeType& type,
-                    std::string_view suffix, Completions& into) {
+                    std::string_view suffix, bool with_nodes, Completions& into) {
   const SyntaxTree& tree = outline.tree();
   for (const std::string& name : type.field_names()) {
-    if (!type.has_field(name)) continue;
+    const bool holds_nodes = !type.has_field(name);
+    if (holds_nodes && !with_nodes) continue;
     bool is_there = false;
-    for (int32_t k = element.first_child; k >= 0; k = tree[k].next)
-      is_there |= text_of(outline.text(), tree[k].name) == name && tree[k].name != into.replaced;
+    for (int32_t k = element.first_child; k >= 0; k = tree[k].next) {
+      const SourceRange named = xml_part(tree[k]) == XmlPart::held
+                                    ? word_around(outline.text(), tree[k].range.begin)
+                                    : tree[k].name;
+      is_there |= text_of(outline.text(), named) == name && named != into.replaced;
+    }
     if (!is_there)
       into.items.push_back({name, fmt::format("{}{}", name, suffix),
-                            detail_of(describe_x3d(type.name, name, "")), ""});
+                            holds_nodes ? "node" : detail_of(describe_x3d(type.name, name, "")),
+                            ""});
   }
 }
 
@@ -55,22 +60,32 @@ void add_x3d_nodes(std::string_view suffix, Completions& into) {
         {name, fmt::format("{}{}", name, suffix), std::string(name_of(x3d_entity_kind(name))), ""});
 }
 
-/// Where the list of the classic encoding begins that the end of `range` is in; its end where it is
-/// in none.
-uint32_t list_around(std::string_view text, SourceRange range) {
-  std::vector<uint32_t> open;
+/// What a place of the classic encoding is in, and where that begins.
+struct ClassicPlace {
+  std::optional<uint32_t> list, string;
+  bool is_comment = false;
+};
+
+/// Of the end of `range`, which begins outside of all these.
+ClassicPlace classic_place(std::string_view text, SourceRange range) {
+  ClassicPlace place;
+  std::vector<uint32_t> lists;
   for (uint32_t at = range.begin; at < range.end; ++at) {
     if (text[at] == '#') {
       at = line_end(text, at);
+      place.is_comment = at >= range.end;
     } else if (text[at] == '"') {
+      const uint32_t begin = at;
       while (++at < range.end && text[at] != '"') at += text[at] == '\\' ? 1 : 0;
+      if (at >= range.end) place.string = begin;
     } else if (text[at] == '[') {
-      open.push_back(at);
-    } else if (text[at] == ']' && !open.empty()) {
-      open.pop_back();
+      lists.push_back(at);
+    } else if (text[at] == ']' && !lists.empty()) {
+      lists.pop_back();
     }
   }
-  return open.empty() ? range.end : open.back();
+  if (!lists.empty()) place.list = lists.back();
+  return place;
 }
 
 /// The word before a place, with nothing but blanks between.
@@ -213,14 +228,15 @@ Completions xml_completions(const Outline& outline, size_t offset) {
         offset > node.name.end) {
       const std::string_view type = text_of(outline.text(), tree[node.parent].name);
       const Field field = describe_x3d(type, text_of(outline.text(), node.name), "");
-      add_x3d_values(outline, type, field, offset, made);
+      add_x3d_values(outline, type, field, made);
+      if (field.kind == ValueKind::file) made.replaced = quoted_around(outline.text(), offset);
       return made;
     }
     if (xml_part(node) != XmlPart::element) continue;
     const std::string_view type = text_of(outline.text(), node.name);
     const X3dNodeType* known = find_x3d_node_type(type);
     const bool is_in_tag = offset > node.name.end && offset <= node.body.begin;
-    if (known && is_in_tag) add_x3d_fields(outline, node, *known, "=''", made);
+    if (known && is_in_tag) add_x3d_fields(outline, node, *known, "=''", false, made);
     return made;
   }
   return made;
@@ -236,26 +252,27 @@ Completions classic_completions(const Outline& outline, size_t offset) {
     holder = tree[holder].parent;
   const std::string_view type = holder > 0 ? text_of(text, tree[holder].name) : "";
   const X3dNodeType* known = find_x3d_node_type(type);
-  const uint32_t quoted = quoted_around(text, offset).begin;
-  const bool is_quoted = quoted > 0 && text[quoted - 1] == '"';
-  const uint32_t begin = is_quoted ? quoted - 1 : made.replaced.begin;
-  const uint32_t list = list_around(text, {tree[holder].body.begin, begin});
-  const bool is_in_list = list < begin;
+  const auto end = static_cast<uint32_t>(std::min(offset, text.size()));
+  const ClassicPlace place = classic_place(text, {tree[holder].body.begin, end});
+  if (place.is_comment) return made;
+  const uint32_t begin = place.string.value_or(made.replaced.begin);
   const bool names_node = word_before(text, begin) == "USE";
-  const std::string_view name = word_before(text, names_node ? begin : list);
+  const std::string_view name =
+      word_before(text, names_node || !place.list ? begin : std::min(*place.list, begin));
   if (names_node || (known && known->has_field(name))) {
     Field field = describe_x3d(type, name, "");
     if (field.kind == ValueKind::boolean) field.choices = {"FALSE", "TRUE"};
-    add_x3d_values(outline, type, field, offset, made);
-    made.needs_quotes = made.files != Completions::Files::none && !is_quoted;
-    if (!made.items.empty() || made.files != Completions::Files::none) return made;
+    add_x3d_values(outline, type, field, made);
+    made.needs_quotes = made.files != Completions::Files::none && !place.string;
+    if (place.string)
+      made.replaced = {*place.string + 1,
+                       std::min(static_cast<uint32_t>(text.find('"', end)), line_end(text, end))};
+    return made;
   }
+  if (place.string) return made;
   const bool holds_node = known && known->has_node_field(name);
-  if (known && !holds_node && !is_in_list) {
-    add_x3d_fields(outline, tree[holder], *known, " ", made);
-    for (const std::string& one : known->field_names())
-      if (known->has_node_field(one)) made.items.push_back({one, one + " ", "node", ""});
-  }
+  if (known && !holds_node && !place.list)
+    add_x3d_fields(outline, tree[holder], *known, " ", true, made);
   if (!known || holds_node) add_x3d_nodes(" { }", made);
   return made;
 }

@@ -171,6 +171,11 @@ TEST(StudioEdit, ProposesFilesWhereTheyFit) {
   const Completions part = at_bar(Language::classic_x3d, "Inline { url | }");
   EXPECT_EQ(part.files, Files::model);
   EXPECT_TRUE(part.needs_quotes);
+  EXPECT_TRUE(part.replaced.is_empty());
+  const Completions second = at_bar(Language::classic_x3d, "ImageTexture { url [ \"a.png\" | ] }");
+  EXPECT_EQ(second.files, Files::picture);
+  EXPECT_TRUE(second.needs_quotes);
+  EXPECT_TRUE(second.replaced.is_empty());
   const Completions map = at_bar(Language::mtl, "newmtl a\nmap_Kd -s 2 2 a|.png\n");
   EXPECT_EQ(map.files, Files::picture);
   EXPECT_EQ(map.replaced.size(), 5u);
@@ -201,6 +206,11 @@ TEST(StudioEdit, ProposesNodesAndFieldsOfTheClassicEncoding) {
   EXPECT_FALSE(has("Sphere { radius 2 | }", "radius"));
   EXPECT_TRUE(has("Sphere { radius 2 | }", "solid"));
   EXPECT_EQ(proposed(Language::classic_x3d, "Sphere { solid | }"), " FALSE TRUE ");
+  EXPECT_TRUE(has("Appearance { texture ImageTexture { url \"a.png\" } material | }", "Material"));
+  EXPECT_FALSE(has("Shape { appearance Appearance { } | }", "appearance"));
+  for (const char* const nothing : {"Sphere { radius | }", "Text { string \"a| }", "Sphere { # | }",
+                                    "Group { children [ USE | ] }"})
+    EXPECT_EQ(proposed(Language::classic_x3d, nothing), " ") << nothing;
   EXPECT_EQ(proposed(Language::classic_x3d, "DEF A Shape { } Group { children [ USE | ] }"), " A ");
   EXPECT_EQ(at_bar(Language::classic_x3d, "Shape { geometry Sp| }").replaced.size(), 2u);
 }
@@ -214,6 +224,7 @@ TEST(StudioEdit, ProposesStatementsOfModels) {
   EXPECT_EQ(proposed(Language::mtl, "newmtl a\nKd |"), " ");
   EXPECT_NE(proposed(Language::obj, "v 0 0 0\n  |").find(" usemtl "), std::string::npos);
   EXPECT_EQ(proposed(Language::obj, "usemtl a\nusemtl |\nusemtl b\n"), " a b ");
+  EXPECT_EQ(at_bar(Language::obj, "usemtl Material.0|01\n").replaced.size(), 12u);
 }
 
 TEST(StudioEdit, TellsWhatWordsOfModelsAndScenesMean) {
