@@ -1,3 +1,5 @@
+#include <new>
+
 #include "python/bindings.h"
 #include "python/value_classes.h"
 
@@ -43,14 +45,20 @@ py::object spelt_word(py::handle self, const char* name, py::handle text) {
 
 int set_attribute(PyObject* self, PyObject* name, PyObject* value) {
   py::object word;
-  if (value && PyUnicode_CheckExact(value) && PyUnicode_Check(name)) {
+  const char* named = value && PyUnicode_Check(value) ? PyUnicode_AsUTF8(name) : nullptr;
+  if (named) {
     try {
-      word = spelt_word(self, PyUnicode_AsUTF8(name), value);
+      word = spelt_word(self, named, value);
     } catch (py::error_already_set& error) {
       error.restore();
       return -1;
+    } catch (const std::bad_alloc&) {
+      PyErr_NoMemory();
+      return -1;
     }
     value = word.ptr();
+  } else {
+    PyErr_Clear();  // of a name that is no text, or none in UTF-8
   }
   const int failed = PyObject_GenericSetAttr(self, name, value);
   if (failed) refuse_name(self, name);

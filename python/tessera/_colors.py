@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import colorsys
+import itertools
 import math
 from typing import Any, NamedTuple
 
@@ -59,7 +60,7 @@ def color(given: ColorLike) -> Color:
     if hasattr(numbers, "__float__") and not hasattr(numbers, "__iter__"):
         numbers = 3 * (numbers,)
     try:
-        parts = [] if isinstance(numbers, bytes) else [number("color", part) for part in numbers]
+        parts = [] if isinstance(numbers, bytes) else [number("color", part) for part in itertools.islice(numbers, 4)]
     except TypeError:
         parts = []
     if len(parts) != 3:

@@ -1,5 +1,6 @@
 """What is wrong is told: the class, the place in the script, the way to it, the nearest name."""
 import errno
+import itertools
 import os
 import pathlib
 import pickle
@@ -165,6 +166,17 @@ def test_names_that_the_module_lacks_tell_the_nearest():
     assert not hasattr(ts, "zzzz")
 
 
+def test_a_name_that_is_no_utf8_is_refused_too():
+    with pytest.raises(AttributeError, match="no attribute"):
+        setattr(ts.Sphere(), "\udc80", "x")
+
+
+def test_a_word_may_be_of_a_class_of_texts():
+    class Word(str):
+        pass
+    assert ts.Scene(accel=Word("nonuniform_octree")) == ts.Scene(accel="nonuniform-octree")
+
+
 def test_an_error_of_a_farm_has_its_endpoint_or_none():
     for error in (ts.FarmError("x"), ts.Refused("x"), pickle.loads(pickle.dumps(ts.FarmError("x")))):
         assert error.endpoint is None
@@ -225,6 +237,7 @@ def test_what_is_of_a_wrong_type_is_told_in_words_of_python(call, message):
     (lambda: SCENE.render(crop=(1, 2), **SMALL), "crop: (1, 2); expected (x0, y0, x1, y1) with 0 <= x0 < x1 "),
     (lambda: SCENE.tracer().camera_rays((1, 2, 3)), "size: (1, 2, 3); expected (width, height), whole numbers"),
     (lambda: ts.Array.of([1], "d", (2,)), "Array: 8 bytes; expected 16"),
+    (lambda: ts.color(itertools.repeat(1)), "color: repeat(1); expected a name, '#rrggbb', three numbers or one"),
     (lambda: ts.color((1, 2)), "color: (1, 2); expected a name, '#rrggbb', three numbers or one"),
     (lambda: ts.color(None), "color: None; expected a name"),
     (lambda: ts.hsl(0, 2, .5), "saturation: 2; expected a number from 0 to 1"),
