@@ -96,11 +96,11 @@ function(tessera_module path)
   endif()
   # These wait for people and sockets: compiling them is worth less time than what traces and reads scenes. Where GCC 12
   # looks less closely, it takes more for uninitialized.
-  set(unhurried "^(web|studio|bench/studio|front|cli|coordinator/web|scenes/edit")
+  set(unhurried "web|studio|bench/studio|front|cli|coordinator/web|scenes/edit")
   if(TESSERA_SANITIZE)
     string(APPEND unhurried "|python")
   endif()
-  if(sources AND path MATCHES "${unhurried})" AND (CMAKE_BUILD_TYPE STREQUAL "Release" OR TESSERA_SANITIZE))
+  if(sources AND path MATCHES "^(${unhurried})(/|$)" AND (CMAKE_BUILD_TYPE STREQUAL "Release" OR TESSERA_SANITIZE))
     target_compile_options(${target} PRIVATE -O1 "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
   endif()
   string(REPLACE "/" "_" uses "${MODULE_USES}")
