@@ -158,8 +158,7 @@ class Fetch {
     flush_output();
     if (!options_.quiet) {
       const auto number = number_in_animation(status);
-      const bool is_whole = film.width() == static_cast<int>(frame.settings().width()) &&
-                            film.height() == static_cast<int>(frame.settings().height());
+      const bool is_whole = shows_whole_frame(film, frame.settings());
       for (const std::string& warning : report_warnings(report, {.is_whole = is_whole}))
         warnings_.say(warning, number);
       for (const std::string& warning :

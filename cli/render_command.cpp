@@ -316,7 +316,7 @@ class RenderRun {
                     std::optional<int> frame) {
     const PictureOrigin origin{.scene = options_.scene,
                                .is_of_strokes = has_strokes_alone(scene_.loaded.scene),
-                               .is_whole = !options_.crop};
+                               .is_whole = shows_whole_frame(picture.film, rendered.settings())};
     for (const std::string& warning : report_warnings(picture.report, origin))
       warnings_.say(warning, frame);
     const OutputSettings output = shown_settings(options_.scene, picture, options_.output);

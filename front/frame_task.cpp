@@ -81,7 +81,8 @@ void FrameTask::throw_failure() const {
 std::vector<std::string> FrameTask::warnings() const {
   const std::lock_guard lock(mutex_);
   if (!picture_) return {};
-  return report_warnings(picture_->report, {.is_whole = !options_.crop});
+  return report_warnings(picture_->report,
+                         {.is_whole = shows_whole_frame(picture_->film, frame_.settings())});
 }
 
 void FrameTask::cancel() {

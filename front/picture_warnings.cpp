@@ -211,12 +211,17 @@ bool has_strokes_alone(const v1::Scene& scene) {
   return has_shapes && !has_others;
 }
 
-std::vector<std::string> report_warnings(const JobReport& report, const PictureOrigin& of) {
+bool shows_whole_frame(const Film& film, const v1::FrameSettings& frame) {
+  return film.width() == static_cast<int>(frame.width()) &&
+         film.height() == static_cast<int>(frame.height());
+}
+
+std::vector<std::string> report_warnings(const JobReport& report, const PictureOrigin& origin) {
   const auto count = [](const CounterMap& counters, const char* name) {
     const auto at = counters.find(name);
     return at == counters.end() ? 0 : at->second;
   };
-  std::vector<std::string> warnings = located_mesh_warnings(report.build_counters, of.scene);
+  std::vector<std::string> warnings = located_mesh_warnings(report.build_counters, origin.scene);
   if (const uint64_t lost = count(report.counters, "nan_samples"); lost > 0) {
     warnings.push_back(fmt::format(
         "{} had no colour that a pixel can hold and count as black; expected light and colours "
@@ -225,11 +230,11 @@ std::vector<std::string> report_warnings(const JobReport& report, const PictureO
   }
   // What was kept from before has no counts.
   const bool is_traced = report.end == JobReport::End::done && report.tiles_restored == 0;
-  if (is_traced && of.is_whole && count(report.counters, "hits") == 0) {
+  if (is_traced && origin.is_whole && count(report.counters, "hits") == 0) {
     const bool has_surfaces = count(report.build_counters, "instances") > 0;
     warnings.push_back(
         fmt::format("no ray meets a surface, so that only the background is seen; expected {}",
-                    has_surfaces && of.is_of_strokes
+                    has_surfaces && origin.is_of_strokes
                         ? "a larger --size or more --spp, as points and lines may be thinner than "
                           "a pixel, or a camera that looks at them"
                     : has_surfaces ? "a camera that looks at what there is, as with --frame-all"

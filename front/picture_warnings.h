@@ -22,11 +22,13 @@ std::vector<std::string> scene_warnings(const RenderOptions& options, const Load
 struct PictureOrigin {
   std::string scene{};         ///< its file; empty: not known
   bool is_of_strokes = false;  ///< has_strokes_alone() of the scene
-  bool is_whole = true;        ///< all of the frame, not a crop
+  bool is_whole = true;        ///< shows_whole_frame()
 };
+/// Whether a picture is no crop of its frame.
+bool shows_whole_frame(const Film& film, const v1::FrameSettings& frame);
 /// What of a picture that was traced is hardly what was meant: what its scene leaves out, samples
 /// that were no colour, or nothing but the background in all of the frame.
-std::vector<std::string> report_warnings(const JobReport& report, const PictureOrigin& of = {});
+std::vector<std::string> report_warnings(const JobReport& report, const PictureOrigin& origin = {});
 /// Whether all shapes are drawn points and lines, which importers let cast no shadow.
 bool has_strokes_alone(const v1::Scene& scene);
 /// As mesh_warnings() of what was built of that file.

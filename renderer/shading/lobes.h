@@ -32,7 +32,8 @@ struct BsdfPoint {
 bool is_view_dependent(const Material& material);
 
 /// The lobes of the point's material, with `wo` and the shading normal `normal` in their frame;
-/// none where `wo` looks at the back of what depends on it:
+/// none where `wo` looks at the back of what depends on it. They borrow the material, which has to
+/// live longer:
 ///
 ///   classic     Lambert; the highlight as GGX facets of alpha = sqrt(2 / (shininess + 2)) that
 ///               reflect `specular`, with what goes on between them; mirror; smooth glass. Scaled

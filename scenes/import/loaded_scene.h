@@ -36,8 +36,9 @@ struct LoadedScene {
   std::vector<std::string> warnings{};  ///< what was read otherwise than a user might expect
   std::vector<Diagnostic> warning_diagnostics{};  ///< the parts of each, in the same order
   /// Of the warnings those about values that break a rule of their format and were taken for the
-  /// nearest that keeps it, or that name files which cannot be read, each as the error that a
-  /// strict reading makes of it.
+  /// nearest that keeps it, that name files which cannot be read, or about pictures that are
+  /// damaged or have numbers that are not finite, each as the error that a strict reading makes of
+  /// it.
   std::vector<Diagnostic> repairs{};
   /// What the file defines and its scene does not show, so that it was not taken over: "mesh
   /// 'lid'".

@@ -164,6 +164,7 @@ class Told(ServiceTest):
         self.ask("cancel", other)
         self.assertIn("cancelled", self.ask("status", other, "--wait", code=4))
         watcher = self.start("status", job, "--wait", "--json", "--connect", self.endpoint)
+        self.assertIn(f"0/{TILES} tiles", watcher.stderr.readline(), "it waits, and shows progress")
         worker = self.worker()
         out, err = watcher.communicate(timeout=60)
         self.assertEqual((0, "done"), (watcher.returncode, json.loads(out)["state"]), err)

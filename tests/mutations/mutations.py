@@ -531,7 +531,7 @@ MUTATIONS = [
     Mutation("lines of a framed view are sized for where its camera was", "scenes/mesh/pen.cpp",
              "if (view.frame_all()) {", "if (false) {", "x3d_test", "X3dNodes.Lines*"),
     Mutation("a picture without a hit says nothing", "front/picture_warnings.cpp",
-             'is_traced && of.is_whole && count(report.counters, "hits") == 0', "false && is_traced", "front_test", "ReportWarnings.*"),
+             'is_traced && origin.is_whole && count(report.counters, "hits") == 0', "false && is_traced", "front_test", "ReportWarnings.*"),
     Mutation("who waits for a picture gives up when the farm is silent", "front/job_orders.h",
              "if (!told) tell(error.what());", "if (!told) { tell(error.what()); throw; }", "front_test", "JobOrders.*"),
     Mutation("a change in steps goes on without its entity", "scenes/edit/edit_sequence.cpp",

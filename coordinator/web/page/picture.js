@@ -122,7 +122,7 @@ export class Picture {
     const tile = this.tiles.find((t) => t[0] <= x && x < t[2] && t[1] <= y && y < t[3]);
     this.note.hidden = !tile;
     if (!tile) return;
-    const by = this.names.get(this.workers[tile[5]]) ?? (tile[4] === DONE ? "kept from before" : "");
+    const by = this.names.get(this.workers[tile[5]]) ?? (tile[4] === DONE ? "kept from an earlier run" : "");
     const what = ["waiting", "being traced", "done", "given up"][tile[4]];
     this.note.textContent = [`${Math.floor(x)}, ${Math.floor(y)}`, what, by, tile[6] > 0 ? duration(tile[6]) : ""]
       .filter(Boolean).join(" · ");

@@ -76,8 +76,9 @@ export async function take(files: readonly File[], target: Target, spot?: Spot):
     if (name === undefined) continue;
     if (target === "Files") state.notify(`Copied: ${name}`);
     else if (target === "Script") open(name);
+    else if (companions.includes(file) && companions.length < files.length) state.notify(`Copied: ${name}`);
     else if (isCompanion(name)) state.notify(`Copied: ${name}. It belongs to a model, which is what scenes include.`);
-    else place(name, seen, spot !== undefined && companions.length === files.length);
+    else place(name, seen, spot !== undefined);
   }
 }
 
