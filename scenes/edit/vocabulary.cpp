@@ -5,44 +5,44 @@
 #include "scenes/edit/word_vocabulary.h"
 
 namespace tessera::edit {
+namespace {
 
-Completions completions(const Outline& outline, size_t offset) {
-  switch (outline.language()) {
+/// What a language knows of its words.
+struct Vocabulary {
+  Completions (*completions)(const Outline& outline, size_t offset);
+  std::optional<Hover> (*hover)(const Outline& outline, size_t offset);
+};
+
+std::optional<Vocabulary> vocabulary_of(Language language) {
+  switch (language) {
     case Language::tessera:
     case Language::json:
-      return message_completions(outline, offset);
+      return Vocabulary{message_completions, message_hover};
     case Language::crt:
-      return crt_completions(outline, offset);
+      return Vocabulary{crt_completions, crt_hover};
     case Language::x3d:
-      return xml_completions(outline, offset);
+      return Vocabulary{xml_completions, x3d_hover};
     case Language::classic_x3d:
-      return classic_completions(outline, offset);
+      return Vocabulary{classic_completions, x3d_hover};
     case Language::obj:
     case Language::mtl:
-      return statement_completions(outline, offset);
+      return Vocabulary{statement_completions, statement_hover};
     case Language::gltf:
       break;
   }
   return {};
 }
 
+}  // namespace
+
+Completions completions(const Outline& outline, size_t offset) {
+  const auto vocabulary = vocabulary_of(outline.language());
+  return vocabulary ? vocabulary->completions(outline, offset) : Completions{};
+}
+
 std::optional<Hover> hover(const Outline& outline, size_t offset) {
-  switch (outline.language()) {
-    case Language::tessera:
-    case Language::json:
-      return message_hover(outline, offset);
-    case Language::crt:
-      return crt_hover(outline, offset);
-    case Language::x3d:
-    case Language::classic_x3d:
-      return x3d_hover(outline, offset);
-    case Language::obj:
-    case Language::mtl:
-      return statement_hover(outline, offset);
-    case Language::gltf:
-      break;
-  }
-  return {};
+  const auto vocabulary = vocabulary_of(outline.language());
+  return vocabulary ? vocabulary->hover(outline, offset) : std::nullopt;
 }
 
 }  // namespace tessera::edit
