@@ -13,7 +13,7 @@
 namespace tessera {
 
 /// A JPEG file cut at its restart markers into files of some of its rows each, which several
-/// threads may decode. Together they have the pixels of the whole, to the bit.
+/// threads may decode. Together they have the pixels of the whole, bit for bit.
 class JpegSlices {
  public:
   /// `info` has read the header of `file`, which must outlive this, and no more. Nothing where the

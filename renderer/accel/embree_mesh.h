@@ -13,7 +13,7 @@ namespace tessera {
 
 /// Embree's BVH over boxes of four triangles each, our test inside of them. The boxes are grown by
 /// what single precision may lose, and rays that it cannot hold are scanned for: so that every hit
-/// is that of the linear scan, to the bit.
+/// is that of the linear scan, bit for bit.
 class EmbreeMesh final : public Accelerator {
  public:
   /// Null where the module is absent. At least one triangle, all of them finite.

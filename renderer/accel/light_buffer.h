@@ -23,7 +23,7 @@ class LightBuffer {
 
   /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
   /// farther off than half of what boxes are grown by.
-  /// Also a lane each in whitted_wavefront-inl.h, to the bit.
+  /// Also a lane each in whitted_wavefront-inl.h, bit for bit.
   static bool has_answers(const BoxSoA& row, const SurfaceInteraction& from) {
     const double error = l1_norm(from.point_error + abs(from.smooth_shift));
     return l1_norm(from.point - Point3{}) + kErrorShare * error <= row.farthest;

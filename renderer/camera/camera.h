@@ -46,7 +46,7 @@ class Camera {
 
   /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
   /// corner. Its direction is of unit length.
-  /// Also a lane each in lane_camera-inl.h, to the bit.
+  /// Also a lane each in lane_camera-inl.h, bit for bit.
   Ray ray(double x, double y) const {
     if (projection_ != Projection::perspective) return other_ray(x, y);
     const double u = offset_.x + x * scale_.x;

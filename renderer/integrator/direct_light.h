@@ -8,7 +8,7 @@ namespace tessera {
 /// Emission, ambient light and the light of every light of the point's set, towards `wo`.
 /// `media` are those on the viewer's side, `path_length` that from the camera to
 /// the point. Without kRich the scene must have no rich materials.
-/// Also a lane each, of simple features, in whitted_wavefront-inl.h, to the bit.
+/// Also a lane each, of simple features, in whitted_wavefront-inl.h, bit for bit.
 template <bool kRich>
 Color local_radiance(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                      const Vec3& wo, const Media& media, double path_length, TraceState& state);
@@ -22,7 +22,7 @@ Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins
 /// the point's own error: what rounding makes of the stretch.
 inline constexpr double kLiftRoundings = 0x1p-48;
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
-/// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, to the bit.
+/// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, bit for bit.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const SurfaceSample& there, double width,

@@ -35,7 +35,7 @@ inline double light_density(const Scene& scene, const SurfacePoint& point, uint3
 }
 
 /// The weight of a sample of density `own` among those of two ways to sample (Veach 1997, 9.2.4).
-/// Also a lane each in path_wavefront_lights-inl.h, to the bit.
+/// Also a lane each in path_wavefront_lights-inl.h, bit for bit.
 inline double power_heuristic(double own, double other) {
   const double ratio = other / own;
   return 1 / (1 + ratio * ratio);

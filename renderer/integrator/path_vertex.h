@@ -79,19 +79,19 @@ struct PathVertex {
     there.density *= to_sky;
     if (!(there.density > 0)) return kBlack;
     const BsdfValue value = scatter.evaluate(there.wi);
-    if (is_black(value.share)) {
+    if (is_black(value.f_cosine)) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
     const Ray ray = origins.spawn(there.wi);
     const Color visible = ray_visibility<kRich>(scene, point, ray, media, width, state);
     if (is_black(visible)) return kBlack;
-    return scene.background.radiance(ray.origin, ray.direction, scene.lights) * value.share *
+    return scene.background.radiance(ray.origin, ray.direction, scene.lights) * value.f_cosine *
            visible * (power_heuristic(there.density, value.density) / there.density);
   }
 
   /// Of a point of a light that was chosen with that density.
-  /// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, to the bit.
+  /// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, bit for bit.
   Color from_area_light(const AreaLight& light, const SurfaceSample& there, double density) const {
     if (!(density > 0)) return kBlack;
     const Vec3 wi = normalize(there.point - point.surface.point);
@@ -99,7 +99,7 @@ struct PathVertex {
     // Facing away, or nothing goes that way: no ray.
     BsdfValue value;
     if (!is_black(emitted)) value = scatter.evaluate(wi);
-    if (is_black(value.share)) {
+    if (is_black(value.f_cosine)) {
       ++state.counters.shadow_rays_skipped;
       return kBlack;
     }
@@ -113,7 +113,7 @@ struct PathVertex {
       }
     }
     const double weight = power_heuristic(density, value.density);
-    return emitted * value.share * visible * (weight / density);
+    return emitted * value.f_cosine * visible * (weight / density);
   }
 
   /// Adds what the lights without an extent bring.
@@ -125,7 +125,7 @@ struct PathVertex {
         ++state.counters.shadow_rays_skipped;
         return;
       }
-      const Color share = scatter.evaluate(sample.wi).share * (portable::kPi * sample.factor);
+      const Color share = scatter.evaluate(sample.wi).f_cosine * (portable::kPi * sample.factor);
       const Color arriving = light.intensity * share;
       if (is_black(arriving)) {
         ++state.counters.shadow_rays_skipped;
@@ -171,7 +171,7 @@ bool choose_way(const Bsdf& bsdf, uint32_t bounces, const Numbers& numbers, Colo
     }
     throughput = throughput * (1 / survival);
   }
-  ++(sample.is_beyond ? counters.rays_refraction : counters.rays_reflection);
+  ++(sample.is_transmitted ? counters.rays_refraction : counters.rays_reflection);
   return true;
 }
 

@@ -363,12 +363,12 @@ class PathWavefront : public PathWavefrontHits {
     put(origins.towards(sample.wi) - Point3{}, at, rays.origin);
     put(sample.wi, at, rays.direction);
     put(throughput, at, next_->throughput);
-    next_->density[at] = sample.is_mirror ? 0 : sample.density;
+    next_->density[at] = sample.is_specular ? 0 : sample.density;
     put(point.surface.point - Point3{}, at, next_->from);
     put(point.geometric_normal, at, next_->from_normal);
     carry(place, at, 1);
     next_->radiance_scale[at] = radiance_scale;
-    if (passes_ && sample.is_beyond) pass_into(next_->media[at], point);
+    if (passes_ && sample.is_transmitted) pass_into(next_->media[at], point);
   }
 
   // ------------------------------------------------------------------- what is passed, and absorbs

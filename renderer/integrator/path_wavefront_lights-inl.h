@@ -91,7 +91,7 @@ class PathWavefrontLights {
     BsdfValue value = lambert.evaluate(wi);
     const auto emits_none = is_black(emitted);
     value.density = hn::IfThenZeroElse(emits_none, value.density);
-    const auto is_dark = hn::Or(emits_none, is_black(value.share));
+    const auto is_dark = hn::Or(emits_none, is_black(value.f_cosine));
     const uint32_t asked = chosen & ~movemask(is_dark);
     state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(chosen & ~asked));
     state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(asked));
@@ -103,7 +103,7 @@ class PathWavefrontLights {
         dot(abs(side), load(points_.error, at)) + broadcast(kLiftRoundings) * sum(abs(back));
     const Lanes3 origin = origin_towards(here, -back);
     const Lanes3 stretch = place + side * lift - origin;
-    const Lanes3 light = select(is_dark, none, emitted * value.share);
+    const Lanes3 light = select(is_dark, none, emitted * value.f_cosine);
     const Lanes weight =
         hn::IfThenZeroElse(is_dark, power_heuristic(density, value.density) / density);
     if (may_wait) {

@@ -13,7 +13,7 @@ double tan(double x);   ///< |x| <= 1e6
 double asin(double x);  ///< |x| <= 1; NaN outside
 double acos(double x);  ///< |x| <= 1; NaN outside
 double atan(double x);
-double atan2(double y, double x);  ///< also a lane each in lanes-inl.h, to the bit
+double atan2(double y, double x);  ///< also a lane each in lanes-inl.h, bit for bit
 double exp(double x);
 double log(double x);            ///< x >= 0
 double pow(double x, double y);  ///< x >= 0; pow(x, 0) is 1

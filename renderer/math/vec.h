@@ -70,7 +70,7 @@ inline constexpr double kLeastSafeSquare = 1e-280, kMostSafeSquare = 1e280;
 /// normalize() where the square of the length is not between them.
 Vec3 normalize_extreme(const Vec3& v);
 /// Unit vector along `v`, which must not be zero; safe from overflow and underflow.
-/// Also a lane each in lanes-inl.h, to the bit.
+/// Also a lane each in lanes-inl.h, bit for bit.
 inline Vec3 normalize(const Vec3& v) {
   const double squared = dot(v, v);
   if (!(squared > kLeastSafeSquare && squared < kMostSafeSquare)) [[unlikely]]

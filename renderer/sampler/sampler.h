@@ -37,7 +37,7 @@ enum class SampleUse : uint32_t { pixel = 0, lens = 1, grain = 2 };
 /// once; each pair then costs a quarter less.
 class SampleStream {
  public:
-  /// Also a lane each in lane_sampler-inl.h, to the bit.
+  /// Also a lane each in lane_sampler-inl.h, bit for bit.
   Vec2 pair(SampleUse use) const;
 
   uint64_t key() const { return key_; }  ///< of seed and pixel
@@ -75,7 +75,7 @@ class Sampler {
     Vec2 point;
     bool negative = false;
   };
-  /// Also of many at once, a lane each, to the bit: draw_rasters.h.
+  /// Also of many at once, a lane each, bit for bit: draw_rasters.h.
   RasterSample raster_sample(int x, int y, uint32_t sample) const {
     if (is_centered_ && sample == 0) return {{x + 0.5, y + 0.5}, false};
     return drawn_raster_sample(x, y, sample);

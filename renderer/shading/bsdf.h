@@ -11,12 +11,12 @@ namespace tessera {
 
 /// A direction to go on in.
 struct BsdfSample {
-  Vec3 wi;                    ///< unit, from the surface
-  Color weight;               ///< BSDF * |cosine| / density
-  double density = 0;         ///< of all ways to choose it; not read where `is_mirror`
-  double radiance_scale = 1;  ///< what of `weight` only says that radiance is denser in a medium
-  bool is_mirror = false;     ///< there was no other way to go
-  bool is_beyond = false;     ///< it leaves on the other side than the viewer's
+  Vec3 wi;                      ///< unit, from the surface
+  Color weight;                 ///< BSDF * |cosine| / density
+  double density = 0;           ///< of all ways to choose it; not read where `is_specular`
+  double radiance_scale = 1;    ///< what of `weight` only says that radiance is denser in a medium
+  bool is_specular = false;     ///< there was no other way to go
+  bool is_transmitted = false;  ///< it leaves on the other side than the viewer's
 };
 
 /// Evenly scattering surfaces: the classic material without highlight, mirror or glass, which most
@@ -30,7 +30,7 @@ class LambertBsdf : public Lambert {
     const bool goes_on = Lambert::sample(u, sample.wi, sample.density);
     sample.weight = albedo();
     sample.radiance_scale = 1;
-    sample.is_mirror = sample.is_beyond = false;
+    sample.is_specular = sample.is_transmitted = false;
     return goes_on;
   }
 };
@@ -52,8 +52,8 @@ class Bsdf {
  private:
   /// Evaluates the two directions that end as `world_wi`: itself, and the one that is mirrored into
   /// it at the surface. `wi` is `world_wi` in the frame.
-  BsdfValue evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_beyond) const;
-  BsdfValue evaluate_lobes(const Vec3& wi, bool is_beyond) const;
+  BsdfValue evaluate_on_side(const Vec3& wi, const Vec3& world_wi, bool is_transmitted) const;
+  BsdfValue evaluate_lobes(const Vec3& wi, bool is_transmitted) const;
 
   Frame frame_;  ///< of the lobes
   Vec3 facet_normal_;

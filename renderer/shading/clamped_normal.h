@@ -28,9 +28,9 @@ inline Vec3 clamped_normal(const Vec3& shading, const Vec3& facet, const Vec3& w
 }
 
 /// A direction that leaves the surface on the wrong side, mirrored at it; others as they are.
-inline Vec3 reflected_to_side(const Vec3& direction, const Vec3& facet, bool is_beyond) {
+inline Vec3 reflected_to_side(const Vec3& direction, const Vec3& facet, bool is_transmitted) {
   const double side = dot(direction, facet);
-  return (is_beyond ? side > 0 : side < 0) ? reflect(direction, facet) : direction;
+  return (is_transmitted ? side > 0 : side < 0) ? reflect(direction, facet) : direction;
 }
 
 /// The way on, of unit length, of a view that an ideal mirror of that clamped_normal() reflects.

@@ -20,7 +20,7 @@ struct Facets {
   /// Its mean over the hemisphere, by the cosine.
   FacetAlbedo mean() const;
   /// What several reflections between them send on where one reflects `f0` straight on, for an
-  /// EvenLobe: over 1 - mean() (Kulla and Conty 2017, "Revisiting Physically Based Shading").
+  /// DiffuseLobe: over 1 - mean() (Kulla and Conty 2017, "Revisiting Physically Based Shading").
   Color between(const Color& f0) const;
 };
 

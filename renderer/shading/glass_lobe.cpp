@@ -27,12 +27,12 @@ bool SmoothGlassLobe::sample(double choice, const Vec2&, LobeSample& sample) con
   }
   if (choice < fresnel) {
     sample.wi = {-wo.x, -wo.y, wo.z};
-    sample.weight = kWhite * weight();
+    sample.weight = kWhite * sampling_weight();
     return true;
   }
-  sample.is_beyond = true;
+  sample.is_transmitted = true;
   sample.radiance_scale = 1 / glass_.denser_beyond();
-  sample.weight = glass_.tint * (weight() * sample.radiance_scale);
+  sample.weight = glass_.tint * (sampling_weight() * sample.radiance_scale);
   return true;
 }
 
@@ -69,28 +69,29 @@ double RoughGlassLobe::mean_lost_to(bool beyond, bool inside) const {
   return beyond ? through : all - through;
 }
 
-BsdfValue RoughGlassLobe::evaluate(const Vec3& wi, bool is_beyond) const {
-  if (is_beyond ? !(wi.z < 0) : !(wi.z > 0)) return {};
+BsdfValue RoughGlassLobe::evaluate(const Vec3& wi, bool is_transmitted) const {
+  if (is_transmitted ? !(wi.z < 0) : !(wi.z > 0)) return {};
   BsdfValue value = glass_.is_thin ? evaluate_sheet_facets(wi) : evaluate_facets(wi);
   const double cosine = std::abs(wi.z), even = cosine_density(cosine);
   if (between_ > 0) {
-    const double way = is_beyond ? goes_through_ : 1 - goes_through_;
+    const double way = is_transmitted ? goes_through_ : 1 - goes_through_;
     value.density = value.density * (1 - between_) + between_ * way * even;
-    const double coat = is_beyond ? glass_.coat.before_beyond(cosine)
-                                  : glass_.coat.over_even(cosine, coat_over_between_);
-    const bool there = glass_.from_inside != is_beyond;
-    const double mean = mean_lost_to(is_beyond, there);
-    const double to = mean > 0 ? lost_to(is_beyond, there, cosine) / mean : 0;
+    const double coat = is_transmitted ? glass_.coat.before_beyond(cosine)
+                                       : glass_.coat.over_even(cosine, coat_over_between_);
+    const bool there = glass_.from_inside != is_transmitted;
+    const double mean = mean_lost_to(is_transmitted, there);
+    const double to = mean > 0 ? lost_to(is_transmitted, there, cosine) / mean : 0;
     const double share = glass_.share * coat * between_ * way * to * even;
-    value.share += is_beyond ? glass_.tint * (share / glass_.denser_beyond()) : kWhite * share;
+    value.f_cosine +=
+        is_transmitted ? glass_.tint * (share / glass_.denser_beyond()) : kWhite * share;
   }
   if (turned_back_ == 0) return value;
   value.density *= 1 - turned_back_;
-  if (is_beyond) return value;
+  if (is_transmitted) return value;
   value.density += turned_back_ * even;
-  value.share += kWhite * (glass_.share * turned_back_ *
-                           albedo_->turned_back(glass_.coat.alpha(), alpha_, cosine) /
-                           mean_turned_back_ * even);
+  value.f_cosine += kWhite * (glass_.share * turned_back_ *
+                              albedo_->turned_back(glass_.coat.alpha(), alpha_, cosine) /
+                              mean_turned_back_ * even);
   return value;
 }
 
@@ -136,8 +137,8 @@ BsdfValue RoughGlassLobe::evaluate_sheet_facets(const Vec3& wi) const {
 
 bool RoughGlassLobe::sample(double choice, const Vec2& u, LobeSample& sample) const {
   if (!choose(choice, u, sample.wi)) return false;
-  sample.is_beyond = sample.wi.z < 0;
-  if (sample.is_beyond) sample.radiance_scale = 1 / glass_.denser_beyond();
+  sample.is_transmitted = sample.wi.z < 0;
+  if (sample.is_transmitted) sample.radiance_scale = 1 / glass_.denser_beyond();
   return true;
 }
 

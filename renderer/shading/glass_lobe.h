@@ -28,8 +28,8 @@ class SmoothGlassLobe {
  public:
   explicit SmoothGlassLobe(const GlassSide& glass) : glass_(glass) {}
 
-  double weight() const { return glass_.share * glass_.coat.below(); }
-  static constexpr bool is_mirror() { return true; }
+  double sampling_weight() const { return glass_.share * glass_.coat.below(); }
+  static constexpr bool is_specular() { return true; }
   BsdfValue evaluate(const Vec3&, bool) const { return {}; }
   bool sample(double choice, const Vec2& u, LobeSample& sample) const;
 
@@ -46,9 +46,9 @@ class RoughGlassLobe {
   /// where what facets lose is to be lost.
   RoughGlassLobe(const GlassSide& glass, double alpha, const GlassAlbedo* albedo);
 
-  double weight() const { return glass_.share * glass_.coat.below(); }
-  static constexpr bool is_mirror() { return false; }
-  BsdfValue evaluate(const Vec3& wi, bool is_beyond) const;
+  double sampling_weight() const { return glass_.share * glass_.coat.below(); }
+  static constexpr bool is_specular() { return false; }
+  BsdfValue evaluate(const Vec3& wi, bool is_transmitted) const;
   bool sample(double choice, const Vec2& u, LobeSample& sample) const;
 
  private:

@@ -11,7 +11,7 @@ TESSERA_INLINE NumColor bounded(const NumColor& color) {
 /// What a surface sends on, by cosine: BSDF * |cosine|, and the density with which sample() chooses
 /// that direction, per steradian. Mirrors and smooth glass have no part in it.
 struct BsdfValue {
-  NumColor share = num_color(0);
+  NumColor f_cosine = num_color(0);  ///< BSDF * |cosine|
   Num density = num(0);
 };
 

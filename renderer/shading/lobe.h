@@ -8,13 +8,13 @@ namespace tessera {
 // A lobe is one way in which a surface sends light on, seen from one side at one point: a value
 // with these members. Directions are of unit length, in the frame whose z is the normal of facets,
 // and lead away from the point; wo, to the viewer, has wo.z > 0 unless the surface scatters evenly
-// alone. `is_beyond` says that wi leaves on the surface's other side.
+// alone. `is_transmitted` says that wi leaves on the surface's other side.
 //
-//   double weight() const
+//   double sampling_weight() const
 //     About the share of light that it sends to the viewer, >= 0: how often it is chosen.
-//   bool is_mirror() const
+//   bool is_specular() const
 //     Whether it sends light in single directions: then evaluate() is not asked.
-//   BsdfValue evaluate(const Vec3& wi, bool is_beyond) const
+//   BsdfValue evaluate(const Vec3& wi, bool is_transmitted) const
 //     BSDF * |cosine|, and the density with which sample() chooses wi, per steradian.
 //   bool sample(double choice, const Vec2& u, LobeSample& sample) const
 //     `choice` and `u` are uniform in [0, 1). False where the path ends.
@@ -26,7 +26,7 @@ namespace tessera {
 /// A direction that a lobe chose.
 struct LobeSample {
   Vec3 wi;
-  bool is_beyond = false;
+  bool is_transmitted = false;
   /// Of a mirror, and of a lobe that its density cancels from: BSDF * |cosine| / density.
   Color weight = kBlack;
   double radiance_scale = 1;  ///< what of BSDF * |cosine| only says that radiance is denser there

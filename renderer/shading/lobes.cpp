@@ -55,7 +55,7 @@ Lobes classic_lobes(const BsdfPoint& point, const Vec3& wo, const Vec3& normal) 
   const Color base = kept_diffuse * scale;
   Lobes lobes;
   if (is_black(material.specular)) {
-    if (!is_black(base)) add<EvenLobe>(lobes, base, normal);
+    if (!is_black(base)) add<DiffuseLobe>(lobes, base, normal);
   } else {
     // Facets that reflect the same at every angle, and as much of what goes on between them.
     const Facets facets{std::min(std::sqrt(2 / (material.shininess + 2)), 1.0)};
@@ -64,10 +64,10 @@ Lobes classic_lobes(const BsdfPoint& point, const Vec3& wo, const Vec3& normal) 
     const Color between = lost > kLeastLost ? reflectance.f0 / lost : kBlack;
     const FacetAlbedo facets_o = facets.towards(wo.z);
     if (!is_black(base) || !is_black(between))
-      add<EvenLobe>(lobes, base, between, normal,
-                    EvenLobe::Above{.facets = facets, .facets_o = facets_o});
-    add<FacetLobe>(lobes, wo, facets.alpha, reflectance, 1.,
-                   facet_weight(reflectance.f0, facets_o));
+      add<DiffuseLobe>(lobes, base, between, normal,
+                       DiffuseLobe::Above{.facets = facets, .facets_o = facets_o});
+    add<MicrofacetLobe>(lobes, wo, facets.alpha, reflectance, 1.,
+                        facet_weight(reflectance.f0, facets_o));
   }
   add_mirror(wo, material.reflectivity * scale, 1, lobes);
   if (through > 0) add_glass(glass_of(point, wo, through * scale), 0, nullptr, lobes);
@@ -83,24 +83,24 @@ void add_metal_and_plastic(const Material& material, const Color& color, double 
   const double r = (material.refractive_index - 1) / (material.refractive_index + 1), f0 = r * r;
   const Color dielectric_between = facets.between(kWhite * f0);
   const FacetAlbedo facets_o = facets.towards(wo.z), mean = facets.mean();
-  EvenLobe::Above above{.facets = facets,
-                        .facets_o = facets_o,
-                        .leaves_less = true,
-                        .under = {f0, dielectric_between.r * (1 - mean.of_white())},
-                        .coat = coat};
+  DiffuseLobe::Above above{.facets = facets,
+                           .facets_o = facets_o,
+                           .leaves_less = true,
+                           .under = {f0, dielectric_between.r * (1 - mean.of_white())},
+                           .coat = coat};
   above.coat_over_base = coat.mean_passed(above.under);
   above.coat_over_between = coat.mean_passed({1, 0});
   const double left = above.under.left(mean);
   const Color base = left > kLeastLost ? color * (dielectric / left) : kBlack;
   const Color between = facets.between(color) * metal + dielectric_between * dielectric;
-  if (!is_black(base) || !is_black(between)) add<EvenLobe>(lobes, base, between, normal, above);
+  if (!is_black(base) || !is_black(between)) add<DiffuseLobe>(lobes, base, between, normal, above);
   const FacetReflectance reflectance{FacetReflectance::Kind::schlick,
                                      (kWhite * (f0 * dielectric) + color * metal) / kept};
   const Color towards_viewer = reflectance.at(wo.z) * kept;
   if (facets.alpha > 0) {
     const double weight = facet_weight(towards_viewer * coat.below(), facets_o);
-    add<FacetLobe>(lobes, wo, facets.alpha, reflectance, kept, weight,
-                   CoatOverFacets{coat, dielectric, f0});
+    add<MicrofacetLobe>(lobes, wo, facets.alpha, reflectance, kept, weight,
+                        CoatOverFacets{coat, dielectric, f0});
   } else {
     add_mirror(wo, towards_viewer, coat.below(), lobes);
   }
@@ -128,7 +128,7 @@ Lobes physical_lobes(const BsdfPoint& point, const Vec3& wo, const Vec3& normal)
     const FacetReflectance reflectance{FacetReflectance::Kind::schlick, kWhite * kCoatReflectance};
     const double weight = 1 - coat.below();
     if (coat.alpha() > 0) {
-      add<FacetLobe>(lobes, wo, coat.alpha(), reflectance, coat.share(), weight);
+      add<MicrofacetLobe>(lobes, wo, coat.alpha(), reflectance, coat.share(), weight);
     } else {
       add<MirrorLobe>(lobes, wo, reflectance.at(wo.z) * coat.share(), weight);
     }
@@ -149,10 +149,10 @@ Lobes conductor_lobes(const Material& material, const Vec3& wo, const Vec3& norm
   const FacetAlbedo facets_o = facets.towards(wo.z);
   const Color between = facets.between(reflectance.at(1));
   if (!is_black(between))
-    add<EvenLobe>(lobes, kBlack, between, normal,
-                  EvenLobe::Above{.facets = facets, .facets_o = facets_o});
-  add<FacetLobe>(lobes, wo, facets.alpha, reflectance, 1.,
-                 facet_weight(reflectance.at(wo.z), facets_o));
+    add<DiffuseLobe>(lobes, kBlack, between, normal,
+                     DiffuseLobe::Above{.facets = facets, .facets_o = facets_o});
+  add<MicrofacetLobe>(lobes, wo, facets.alpha, reflectance, 1.,
+                      facet_weight(reflectance.at(wo.z), facets_o));
   return lobes;
 }
 

@@ -3,15 +3,15 @@
 #include <boost/container/static_vector.hpp>
 #include <variant>
 
-#include "renderer/shading/even_lobe.h"
-#include "renderer/shading/facet_lobe.h"
+#include "renderer/shading/diffuse_lobe.h"
 #include "renderer/shading/glass_lobe.h"
+#include "renderer/shading/microfacet_lobe.h"
 #include "renderer/shading/mirror_lobe.h"
 
 namespace tessera {
 
 /// Every kind of lobe: what lobe.h asks of one.
-using Lobe = std::variant<EvenLobe, FacetLobe, MirrorLobe, SmoothGlassLobe, RoughGlassLobe>;
+using Lobe = std::variant<DiffuseLobe, MicrofacetLobe, MirrorLobe, SmoothGlassLobe, RoughGlassLobe>;
 
 /// Those of one material at one point: no material has more.
 using Lobes = boost::container::static_vector<Lobe, 4>;
@@ -28,7 +28,7 @@ struct BsdfPoint {
 };
 
 /// Whether what the material shows depends on where it is seen from: whether it has more lobes than
-/// an EvenLobe alone, and these stand about the clamped_normal().
+/// a DiffuseLobe alone, and these stand about the clamped_normal().
 bool is_view_dependent(const Material& material);
 
 /// The lobes of the point's material, with `wo` and the shading normal `normal` in their frame;

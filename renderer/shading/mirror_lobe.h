@@ -12,8 +12,8 @@ class MirrorLobe {
   MirrorLobe(const Vec3& wo, const Color& share, double weight)
       : wo_(wo), share_(share), weight_(weight) {}
 
-  double weight() const { return weight_; }
-  static constexpr bool is_mirror() { return true; }
+  double sampling_weight() const { return weight_; }
+  static constexpr bool is_specular() { return true; }
   BsdfValue evaluate(const Vec3&, bool) const { return {}; }
   bool sample(double, const Vec2&, LobeSample& sample) const {
     sample.wi = {-wo_.x, -wo_.y, wo_.z};

@@ -52,9 +52,9 @@ class Rectangle final : public Shape {
   const Vec3& share_v() const { return share_v_; }  ///< the other way round
   int axis() const { return axis_; }                ///< along which the normal is; -1: along none
   Bounds3 bounds() const override;
-  /// Also a lane each in instance_soa-inl.h, to the bit.
+  /// Also a lane each in instance_soa-inl.h, bit for bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  /// Also a lane each in lane_surface-inl.h, to the bit.
+  /// Also a lane each in lane_surface-inl.h, bit for bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   /// By solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for Spherical
   /// Rectangles") where it is near; else, or where it is no rectangle, about so, by densities that

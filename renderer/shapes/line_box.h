@@ -10,7 +10,7 @@
 namespace tessera {
 
 /// Where the whole line of a ray is inside a box, grown outward by far more than the rounding of
-/// any hit inside it. A larger box gives a range at least as large, to the bit.
+/// any hit inside it. A larger box gives a range at least as large, bit for bit.
 struct LineRange {
   double low = -Bounds3::kInfinity, high = Bounds3::kInfinity;
   bool empty() const { return !(low <= high); }

@@ -17,7 +17,7 @@ class Plane final : public ConvexSolid {
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   /// The same in place, but for texture coordinates.
-  /// Also a lane each in lane_surface-inl.h, to the bit.
+  /// Also a lane each in lane_surface-inl.h, bit for bit.
   void place_surface(const Ray& ray, const Hit& hit, LocalSurface& s) const {
     s.point = ray.at(hit.t);
     s.point = s.point - normal_ * signed_distance(s.point);
@@ -30,7 +30,7 @@ class Plane final : public ConvexSolid {
 
   /// Where `ray` meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull does not
   /// count.
-  /// Also a lane each in instance_soa-inl.h, to the bit.
+  /// Also a lane each in instance_soa-inl.h, bit for bit.
   bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
     const double approach = dot(normal_, ray.direction);
     if (cull == Cull::none ? approach == 0 : (approach < 0) == (cull == Cull::front)) return false;

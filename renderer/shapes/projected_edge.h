@@ -5,7 +5,7 @@
 namespace tessera {
 
 // A vertex as the watertight triangle test sees it: sheared so that the ray is the z axis. The same
-// operations as in triangle.h, so that whatever shares a vertex shares its projection to the bit.
+// operations as in triangle.h, so that whatever shares a vertex shares its projection bit for bit.
 
 struct ProjectedVertex {
   double x = 0, y = 0, z = 0;  ///< z is the ray's parameter at the vertex's depth

@@ -18,7 +18,7 @@ inline constexpr double kFlipCosine = -0.5;
 
 /// Takes the surface into world space where it stands. Normals go by the inverse transpose, so that
 /// the front stays the front under a mirroring transform too; `flip_normals` turns them round.
-/// Also a lane each in lane_transform-inl.h, to the bit.
+/// Also a lane each in lane_transform-inl.h, bit for bit.
 void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
                    LocalSurface& surface);
 /// The same where the transform is the identity and the shading normal is the geometric one.
@@ -58,7 +58,7 @@ class RayOrigins {
     return ray;
   }
   /// Where rays to the side that `direction` points to start.
-  /// Also a lane each in lane_surface-inl.h, to the bit.
+  /// Also a lane each in lane_surface-inl.h, bit for bit.
   const Point3& towards(const Vec3& direction) {
     const bool behind = dot(from_.geometric_normal, direction) < 0;
     if (!known_[behind]) work_out(behind);

@@ -189,7 +189,7 @@ Expression shuffled(Expression e, Random& random) {
 
 TEST(N22, OrderOfCoincidingFacesChangesNoBit) {
   // A few solids, each many times over and slightly off by other transforms: places of many
-  // crossings, some equal to the bit and some not.
+  // crossings, some equal bit for bit and some not.
   TraversalCounters counters;
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     Random random(24, seed);

@@ -75,7 +75,7 @@ TEST_P(Alpha, over_the_background_it_is_the_picture_with_that) {
       for (size_t c = 0; c < 3; ++c) {
         ASSERT_NEAR(a[c], b[c] + (1 - alpha) * kAlphaSolid[c], 1e-6) << x << ' ' << y;
         if (alpha == 1) {
-          ASSERT_EQ(a[c], b[c]) << "to the bit where nothing is seen of it";
+          ASSERT_EQ(a[c], b[c]) << "the same bits where nothing is seen of it";
         }
         if (alpha == 0) {
           ASSERT_EQ(b[c], 0);

@@ -169,11 +169,12 @@ void expect_samples_follow_density(const Bsdf& bsdf) {
       ++ended;
       continue;
     }
-    ASSERT_FALSE(sample.is_mirror);
+    ASSERT_FALSE(sample.is_specular);
     ASSERT_NEAR(length(sample.wi), 1, 1e-9);
     const BsdfValue value = bsdf.evaluate(sample.wi);
     ASSERT_NEAR(value.density, sample.density, 1e-6 * sample.density);
-    ASSERT_NEAR(value.share.r, sample.weight.r * sample.density, 1e-6 * (value.share.r + 1e-6));
+    ASSERT_NEAR(value.f_cosine.r, sample.weight.r * sample.density,
+                1e-6 * (value.f_cosine.r + 1e-6));
     const int row = std::min(static_cast<int>((sample.wi.z + 1) / 2 * rows), rows - 1);
     double phi = std::atan2(sample.wi.y, sample.wi.x);
     if (phi < 0) phi += 2 * std::numbers::pi;
@@ -274,7 +275,7 @@ TEST(Bsdf, ChangesByLittleWhereANormalTurnsAway) {
   for (const BsdfCase& c : smooth_cases()) {
     SCOPED_TRACE(c.name);
     const double away = -0.5 / std::sqrt(0.75);
-    const auto share = [&](const Vec3& n) { return bsdf_of(c, wo, n).evaluate(wi).share.g; };
+    const auto share = [&](const Vec3& n) { return bsdf_of(c, wo, n).evaluate(wi).f_cosine.g; };
     EXPECT_NEAR(share(leaning(away - 1e-6, 1)), share(leaning(away + 1e-6, 1)), 1e-4);
     EXPECT_NEAR(share(leaning(-1, -1e-6)), share(leaning(-1, 1e-6)), 1e-4);
   }
@@ -385,7 +386,7 @@ TEST(Bsdf, IsTheSameFromEitherEnd) {
       for (Vec3 b : {normalize(Vec3{0.3, 0.7, 0.4}), normalize(Vec3{-0.8, 0.1, 0.2}),
                      normalize(Vec3{-0.2, 0.3, -0.9})}) {
         SCOPED_TRACE(c.name);
-        const Color there = bsdf_of(c, a).evaluate(b).share * (1 / std::abs(b.z));
+        const Color there = bsdf_of(c, a).evaluate(b).f_cosine * (1 / std::abs(b.z));
         BsdfCase turned = c;
         Vec3 from = b, to = a;
         double scale = 1;
@@ -396,7 +397,7 @@ TEST(Bsdf, IsTheSameFromEitherEnd) {
           const double eta = c.material.thin ? 1 : c.material.refractive_index;
           scale = c.from_inside ? eta * eta : 1 / (eta * eta);
         }
-        const Color back = bsdf_of(turned, from).evaluate(to).share * (scale / std::abs(to.z));
+        const Color back = bsdf_of(turned, from).evaluate(to).f_cosine * (scale / std::abs(to.z));
         EXPECT_NEAR(there.r, back.r, 1e-9 * (1 + there.r));
         EXPECT_NEAR(there.b, back.b, 1e-9 * (1 + there.b));
       }
@@ -414,7 +415,7 @@ TEST(Bsdf, WhatIsNoNumberReachesNoTable) {
   const double nan = std::nan("");
   for (const BsdfCase& c : smooth_cases()) {
     const BsdfValue value = bsdf_of(c, at_angle(30)).evaluate({nan, nan, nan});
-    EXPECT_TRUE(std::isnan(value.share.g) || value.share.g == 0) << c.name;
+    EXPECT_TRUE(std::isnan(value.f_cosine.g) || value.f_cosine.g == 0) << c.name;
   }
 }
 
@@ -423,7 +424,7 @@ TEST(Bsdf, RadianceIsDenserInGlass) {
     const BsdfCase c = glass("glass", 0, from_inside);
     BsdfSample sample;
     ASSERT_TRUE(bsdf_of(c, at_angle(20)).sample(0.99, {0.5, 0.5}, sample));
-    ASSERT_TRUE(sample.is_beyond);
+    ASSERT_TRUE(sample.is_transmitted);
     EXPECT_NEAR(sample.weight.r, from_inside ? 2.25 : 1 / 2.25, 1e-12);
     EXPECT_NEAR(sample.radiance_scale, sample.weight.r, 1e-12);
   }
@@ -446,8 +447,8 @@ TEST(Bsdf, LambertAloneHasTheBitsOfTheGeneralOne) {
         for (const Vec3& wi : {a.wi, normalize(Vec3{-0.3, 0.8, 0.1}), -a.wi}) {
           const BsdfValue x = LambertBsdf(point).evaluate(wi), y = Bsdf(point).evaluate(wi);
           EXPECT_EQ(x.density, y.density);
-          EXPECT_EQ(x.share.r, y.share.r);
-          EXPECT_EQ(x.share.g, y.share.g);
+          EXPECT_EQ(x.f_cosine.r, y.f_cosine.r);
+          EXPECT_EQ(x.f_cosine.g, y.f_cosine.g);
         }
       }
     }

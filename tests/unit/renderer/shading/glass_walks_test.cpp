@@ -27,7 +27,7 @@ GlassShares shares_of(const Material& material, bool from_inside, double cosine)
     const int column = i % kSide, row = i / kSide;
     if (!bsdf.sample(choice, {(column + 0.5) / kSide, (row + 0.5) / kSide}, sample)) continue;
     const double share = sample.weight.g / sample.radiance_scale / (kSide * kSide);
-    (sample.is_beyond ? sum.through : sum.back) += share;
+    (sample.is_transmitted ? sum.through : sum.back) += share;
   }
   return sum;
 }

@@ -12,7 +12,7 @@ namespace tessera {
 
 /// What scatters evenly: a Lambert base, alone or under facets and coat, and what goes on between
 /// those facets. It stands about the shading normal.
-class EvenLobe {
+class DiffuseLobe {
  public:
   /// What is above the base.
   struct Above {
@@ -24,19 +24,19 @@ class EvenLobe {
     double coat_over_base = 1, coat_over_between = 1;  ///< Coating::mean_passed() of either
   };
 
-  EvenLobe(const Color& base, const Vec3& normal) : base_(base), normal_(normal) { weigh(); }
+  DiffuseLobe(const Color& base, const Vec3& normal) : base_(base), normal_(normal) { weigh(); }
   /// `base` and `between` are divided by the means of what is above leaves them.
-  EvenLobe(const Color& base, const Color& between, const Vec3& normal, const Above& above)
+  DiffuseLobe(const Color& base, const Color& between, const Vec3& normal, const Above& above)
       : base_(base), between_(between), normal_(normal), above_(above), is_under_(true) {
     if (above.leaves_less) left_o_ = above.under.left(above.facets_o);
     weigh();
   }
 
-  double weight() const { return weight_; }
-  static constexpr bool is_mirror() { return false; }
-  BsdfValue evaluate(const Vec3& wi, bool is_beyond) const {
+  double sampling_weight() const { return weight_; }
+  static constexpr bool is_specular() { return false; }
+  BsdfValue evaluate(const Vec3& wi, bool is_transmitted) const {
     const double cosine = dot(wi, normal_);
-    if (is_beyond || !(cosine > 0)) return {};
+    if (is_transmitted || !(cosine > 0)) return {};
     const double density = cosine_density(cosine);
     return {albedo(cosine) * density, density};
   }

@@ -37,11 +37,11 @@ struct CoatOverFacets {
 
 /// Rough facets on a share of the surface, each of which reflects once: of a material, or of a coat
 /// over it.
-class FacetLobe {
+class MicrofacetLobe {
  public:
   /// `alpha` > 0; `weight` as below.
-  FacetLobe(const Vec3& wo, double alpha, const FacetReflectance& reflectance, double share,
-            double weight, const CoatOverFacets& over = {})
+  MicrofacetLobe(const Vec3& wo, double alpha, const FacetReflectance& reflectance, double share,
+                 double weight, const CoatOverFacets& over = {})
       : wo_(wo),
         alpha_(alpha),
         reflectance_(reflectance),
@@ -49,10 +49,10 @@ class FacetLobe {
         weight_(weight),
         over_(over) {}
 
-  double weight() const { return weight_; }
-  static constexpr bool is_mirror() { return false; }
-  BsdfValue evaluate(const Vec3& wi, bool is_beyond) const {
-    if (is_beyond || !(wi.z > 0)) return {};
+  double sampling_weight() const { return weight_; }
+  static constexpr bool is_specular() { return false; }
+  BsdfValue evaluate(const Vec3& wi, bool is_transmitted) const {
+    if (is_transmitted || !(wi.z > 0)) return {};
     const Vec3 half = normalize(wi + wo_);
     const Ggx ggx(alpha_);
     const double seen = ggx.distribution(half) * ggx.shadowing(wi, wo_) / (4 * wo_.z);
