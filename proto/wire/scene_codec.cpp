@@ -16,6 +16,7 @@
 #include "base/lower_case.h"
 #include "base/plain_text.h"
 #include "proto/wire/scene_errors.h"
+#include "proto/wire/scene_place.h"
 #include "proto/wire/scene_walk.h"
 
 namespace tessera {
@@ -40,9 +41,13 @@ std::string short_path(const SceneFault& fault) {
   return "..." + fault.path.substr(dot == std::string::npos ? fault.path.size() - kShown : dot);
 }
 
-v1::Scene parse_text(std::string_view text, const std::string& name) {
+Error fault_error(const SourcePlace& place, const SceneFault& fault) {
+  return scene_error(place, fmt::format("{} {}", short_path(fault), fault.found), fault.expected);
+}
+
+v1::Scene parse_text(std::string_view text, const std::string& name,
+                     pb::TextFormat::ParseInfoTree& places) {
   TextErrors errors(name, text);
-  pb::TextFormat::ParseInfoTree places;
   pb::TextFormat::Parser parser;
   parser.RecordErrorsTo(&errors);
   parser.AllowUnknownField(true);  // and go on: each of them is an error
@@ -53,10 +58,15 @@ v1::Scene parse_text(std::string_view text, const std::string& name) {
   const bool parsed = parser.Parse(&input, &scene);
   errors.throw_if_any();
   if (!parsed) throw scene_error({name}, "the text cannot be read", "a scene in text format");
-  if (const auto fault = find_fault(scene, &places)) {
-    throw scene_error({name, fault->line, fault->column},
-                      fmt::format("{} {}", short_path(*fault), fault->found), fault->expected);
-  }
+  return scene;
+}
+
+v1::Scene parse_json(std::string_view text, const std::string& name) {
+  check_scene_json(text, name);
+  v1::Scene scene;
+  const auto status =
+      pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene);
+  if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
   return scene;
 }
 
@@ -68,38 +78,49 @@ bool parse_binary(std::string_view bytes, v1::Scene& scene) {
   return scene.ParseFromCodedStream(&input) && input.ConsumedEntireMessage();
 }
 
+/// A scene as text or JSON, which tell where they write its fields. Throws scene_error where there
+/// is none; `text` has to outlive this.
+class WrittenScene {
+ public:
+  WrittenScene(std::string_view text, SceneEncoding encoding, std::string name)
+      : text_(text), is_json_(encoding == SceneEncoding::json), name_(std::move(name)) {
+    scene_ = is_json_ ? parse_json(text_, name_) : parse_text(text_, name_, places_);
+  }
+  v1::Scene& scene() { return scene_; }
+  SourcePlace place_of(const std::string& path) const {
+    return is_json_ ? place_in_json(name_, text_, path)
+                    : place_in_text(name_, text_, path, places_);
+  }
+
+ private:
+  std::string_view text_;
+  bool is_json_;
+  std::string name_;
+  v1::Scene scene_;
+  pb::TextFormat::ParseInfoTree places_;
+};
+
 v1::Scene decode_message(std::string_view text, SceneEncoding encoding, const std::string& name) {
   if (text.size() > kMaxSceneFileBytes)
     throw scene_error({name}, fmt::format("{} bytes", text.size()),
                       fmt::format("at most {}", kMaxSceneFileBytes));
-  if (encoding != SceneEncoding::binary) {
-    refuse_wide_text(text, name);
-    text = skip_byte_order_mark(text);
-    const size_t bad = find_invalid_utf8(text);
-    if (bad != std::string_view::npos)
-      throw scene_error(place_of(name, text, bad), "a byte that is not UTF-8", "text");
-  }
-  if (encoding == SceneEncoding::text) return parse_text(text, name);
-  v1::Scene scene;
   if (encoding == SceneEncoding::binary) {
+    v1::Scene scene;
     if (!parse_binary(text, scene))
       throw scene_error({name}, "the bytes are no scene, or a part of one",
                         "a scene as `tessera convert` writes it");
-  } else {
-    check_scene_json(text, name);
-    pb::util::JsonParseOptions options;
-    const auto status =
-        pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene, options);
-    if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
+    check_scene(scene, name);
+    return scene;
   }
-  if (encoding == SceneEncoding::json) {
-    if (const auto fault = find_fault(scene, nullptr)) {
-      throw scene_error(place_in_json(name, text, fault->path),
-                        fmt::format("{} {}", short_path(*fault), fault->found), fault->expected);
-    }
-  }
-  check_scene(scene, name);
-  return scene;
+  refuse_wide_text(text, name);
+  text = skip_byte_order_mark(text);
+  const size_t bad = find_invalid_utf8(text);
+  if (bad != std::string_view::npos)
+    throw scene_error(place_of(name, text, bad), "a byte that is not UTF-8", "text");
+  WrittenScene written(text, encoding, name);
+  if (const auto fault = find_fault(written.scene()))
+    throw fault_error(written.place_of(fault->path), *fault);
+  return std::move(written.scene());
 }
 
 /// Moves the embedded blobs of `scene` into a store, each checked against its name.
@@ -186,9 +207,19 @@ std::optional<SceneEncoding> scene_encoding_of(std::string_view path) {
 }
 
 void check_scene(const v1::Scene& scene, const std::string& name) {
-  if (const auto fault = find_fault(scene, nullptr)) {
-    throw scene_error({name}, fmt::format("{} {}", short_path(*fault), fault->found),
-                      fault->expected);
+  if (const auto fault = find_fault(scene)) throw fault_error({name}, *fault);
+}
+
+SourcePlace place_in_scene_file(const std::string& path, std::string_view message) {
+  const auto encoding = scene_encoding_of(path);
+  if (!encoding || *encoding == SceneEncoding::binary) return {path};
+  try {
+    const std::string file = read_input_file(path, kMaxSceneFileBytes);
+    WrittenScene written(skip_byte_order_mark(file), *encoding, path);
+    const auto field = path_of_error(written.scene(), message);
+    return field ? written.place_of(*field) : SourcePlace{path};
+  } catch (const Error&) {  // it has changed since it was read
+    return {path};
   }
 }
 
@@ -285,7 +316,7 @@ std::string scene_digest(const v1::Scene& scene) {
 std::optional<v1::Scene> parse_scene(std::string_view bytes) {
   v1::Scene scene;
   if (bytes.size() > kMaxSceneFileBytes || !parse_binary(bytes, scene)) return std::nullopt;
-  if (find_fault(scene, nullptr)) return std::nullopt;
+  if (find_fault(scene)) return std::nullopt;
   return scene;
 }
 

@@ -68,9 +68,9 @@ void write_scene_file(const std::string& path, const EncodedScene& scene, const 
 /// Encodes and writes.
 void write_scene_file(const std::string& path, const v1::Scene& scene, const BlobStore& blobs);
 
-/// Where the text file `path` writes what `message`, an error of building its scene, begins with:
+/// Where the file `path` writes what `message`, an error of building its scene, begins with:
 /// "node 'hall' > node 3 > shape: sphere.radius is ...". Without line and column where the file is
-/// no text, or does not tell. Reads it anew: for the way out.
+/// neither text nor JSON, or does not tell. Reads it anew: for the way out.
 SourcePlace place_in_scene_file(const std::string& path, std::string_view message);
 
 /// The digests that `scene` refers to, each once, in the order of the message; nothing where one is

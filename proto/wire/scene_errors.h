@@ -49,8 +49,6 @@ class TextErrors : public google::protobuf::io::ErrorCollector {
 /// Throws where `text` is no JSON, is nested deeper than kMaxSceneDepth, or names fields or values
 /// that a scene does not have: tells all of these up to the first fault of form.
 void check_scene_json(std::string_view text, const std::string& file);
-/// Where `text`, which passed check_scene_json, writes the field of `path`; else its beginning.
-SourcePlace place_in_json(const std::string& file, std::string_view text, const std::string& path);
 /// What protobuf's JSON parser complains of in JSON that passed check_scene_json, with its place.
 /// Messages begin with the path in parentheses: "(nodes[0].shape): ...".
 Error scene_json_error(const std::string& file, std::string_view text, const std::string& message);

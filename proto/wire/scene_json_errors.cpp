@@ -7,11 +7,22 @@
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/scene_codec.h"
 #include "proto/wire/scene_errors.h"
+#include "proto/wire/scene_place.h"
 
 namespace tessera {
 namespace {
 
 namespace pb = google::protobuf;
+
+/// Names of fields as scene.proto writes them: "edge_u" for "edgeU".
+std::string with_proto_names(std::string_view path) {
+  std::string result;
+  for (const char c : path) {
+    if (std::isupper(static_cast<unsigned char>(c))) result += '_';
+    result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return result;
+}
 
 /// Walks JSON along the message type that it stands for. Protobuf's own parser reports paths but
 /// no lines, so this finds the faults of form and of names first, and the place of any path.
@@ -28,7 +39,8 @@ class SceneJson {
     });
     faults_.throw_if_any();
   }
-  std::optional<size_t> target_offset() const { return target_offset_; }
+  /// Of the target, or of the innermost value around it.
+  size_t target_offset() const { return target_offset_; }
 
  private:
   [[noreturn]] void fail_at(size_t at, std::string_view found, std::string_view expected) const {
@@ -59,7 +71,12 @@ class SceneJson {
   }
   void meet(const std::string& path) {
     skip_space();
-    if (!target_.empty() && path == target_ && !target_offset_) target_offset_ = at_;
+    if (path.size() <= met_ || !target_.starts_with(path)) return;
+    if (path.size() < target_.size() &&
+        std::string_view(".[").find(target_[path.size()]) == target_.npos)
+      return;
+    met_ = path.size();
+    target_offset_ = at_;
   }
 
   std::string string() {
@@ -143,7 +160,8 @@ class SceneJson {
       const std::string key = string();
       const auto* field = field_of(type, key, at);
       expect(':', "':'");
-      value(field, path.empty() ? key : path + "." + key, depth);
+      const std::string& name = field ? field->name() : key;
+      value(field, path.empty() ? name : path + "." + name, depth);
       if (take('}')) return;
       expect(',', "',' or '}'");
     }
@@ -152,7 +170,8 @@ class SceneJson {
   std::string_view text_;
   const std::string& file_;
   std::string target_;
-  std::optional<size_t> target_offset_;
+  size_t met_ = 0;  ///< the longest beginning of `target_` that was found
+  size_t target_offset_ = 0;
   AllFailures faults_{kMostFaults};
   size_t at_ = 0;
 };
@@ -166,7 +185,7 @@ void check_scene_json(std::string_view text, const std::string& file) {
 SourcePlace place_in_json(const std::string& file, std::string_view text, const std::string& path) {
   SceneJson json(text, file);
   json.walk(path);
-  return place_of(file, text, json.target_offset().value_or(0));
+  return place_of(file, text, json.target_offset());
 }
 
 Error scene_json_error(const std::string& file, std::string_view text, const std::string& message) {
@@ -187,7 +206,8 @@ Error scene_json_error(const std::string& file, std::string_view text, const std
     found = found.substr(found.find("Cannot set '") + 11) + " beside another of its kind";
     expected = "only one of them";
   }
-  return scene_error(place_in_json(file, text, path), fmt::format("{}: {}", path, found), expected);
+  return scene_error(place_in_json(file, text, with_proto_names(path)),
+                     fmt::format("{}: {}", path, found), expected);
 }
 
 }  // namespace tessera

@@ -19,7 +19,6 @@ namespace {
 
 namespace pb = google::protobuf;
 using pb::FieldDescriptor;
-using Places = pb::TextFormat::ParseInfoTree;
 
 using Types = std::unordered_map<const pb::Descriptor*, MessageType>;
 
@@ -120,8 +119,7 @@ bool may_be_faulty(const FieldDescriptor& field) {
 }
 
 /// `depth` is the number of messages that `message` lies in.
-std::optional<SceneFault> fault_in(const pb::Message& message, const MessageType& type,
-                                   Places* places, int depth) {
+std::optional<SceneFault> fault_in(const pb::Message& message, const MessageType& type, int depth) {
   Cancellation::check();
   // It might change the picture: better no scene than another one.
   const pb::UnknownFieldSet& unknown = type.reflection->GetUnknownFields(message);
@@ -132,25 +130,17 @@ std::optional<SceneFault> fault_in(const pb::Message& message, const MessageType
   for (const auto& [field, inner] : type.fields) {
     const int count = count_of(*type.reflection, message, *field);
     for (int i = 0; i < count; ++i) {
-      const int position = field->is_repeated() ? i : -1;
       std::optional<SceneFault> fault;
       if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) {
         fault = fault_of_value(*type.reflection, message, *field, i);
       } else if (depth < kMaxSceneDepth) {
-        fault = fault_in(message_in(*type.reflection, message, *field, i), *inner,
-                         places ? places->GetTreeForNested(field, position) : nullptr, depth + 1);
+        fault = fault_in(message_in(*type.reflection, message, *field, i), *inner, depth + 1);
         if (fault) fault->path = step(*field, i) + (fault->path.empty() ? "" : "." + fault->path);
       } else {
         fault = SceneFault{"is nested too deep", fmt::format("at most {} levels", kMaxSceneDepth),
                            step(*field, i)};
       }
-      if (!fault) continue;
-      if (places && fault->line == 0) {
-        const pb::TextFormat::ParseLocation at = places->GetLocation(field, position);
-        fault->line = at.line + 1;
-        fault->column = at.column + 1;
-      }
-      return fault;
+      if (fault) return fault;
     }
   }
   return std::nullopt;
@@ -158,9 +148,9 @@ std::optional<SceneFault> fault_in(const pb::Message& message, const MessageType
 
 }  // namespace
 
-std::optional<SceneFault> find_fault(const v1::Scene& scene, Places* places) {
+std::optional<SceneFault> find_fault(const v1::Scene& scene) {
   static const Types checked = types_with(may_be_faulty);
-  return fault_in(scene, checked.at(v1::Scene::descriptor()), places, 0);
+  return fault_in(scene, checked.at(v1::Scene::descriptor()), 0);
 }
 
 MessageFinder::MessageFinder(const pb::Descriptor* wanted) : wanted_(wanted) {

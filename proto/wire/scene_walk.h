@@ -1,7 +1,5 @@
 #pragma once
 
-#include <google/protobuf/text_format.h>
-
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,18 +10,15 @@
 
 namespace tessera {
 
-/// What no scene may hold, and where it was written, if that is known.
+/// What no scene may hold.
 struct SceneFault {
   std::string found, expected;
   std::string path;  ///< "cameras[0].lens.radius_x"
-  int line = 0, column = 0;
 };
 
 /// The first number in `scene` that is infinite or not a number, number of an enumeration that has
 /// no such value, field that this version does not know, or message more than kMaxSceneDepth deep.
-/// `places` may be null.
-std::optional<SceneFault> find_fault(const v1::Scene& scene,
-                                     google::protobuf::TextFormat::ParseInfoTree* places);
+std::optional<SceneFault> find_fault(const v1::Scene& scene);
 
 /// A type of messages as a walk through scenes needs it: asked of each message anew, these take
 /// most of its time.

@@ -99,14 +99,24 @@ class Places(TesseraTest):
                 with self.subTest(text=text, command=command[0]):
                     self.assert_error(self.run_program(*command, scene), 1, f"s.tessera:{place}: ")
 
+    def test_errors_of_building_are_located_in_json(self):
+        for place, text in [
+                ("2:33", '{"nodes": [{}, {"shape": {"sphere":\n  {"center": {"x": 1}, "radius": -1}}}]}'),
+                ("1:38", '{"nodes": [{"shape": {"materials": ["rde"], "sphere": {"radius": 1}}}]}'),
+                ("2:2", '{"nodes": [{"shape":\n {"rectangle": {"edgeU": {"x": 1}, "edgeV": {"x": 2}}}}]}'),
+                ("1:13", '{"nodes": [{"instanceOf": "p"}]}')]:
+            scene = self.write("s.json", text)
+            for command in (["info"], ["render", *SMALL]):
+                with self.subTest(text=text, command=command[0]):
+                    self.assert_error(self.run_program(*command, scene), 1, f"s.json:{place}: ")
+
     def test_no_place_is_better_than_a_wrong_one(self):
         twice = 'nodes { name: "a" shape { sphere { radius: 1 } } }\n'
         result = self.run_program("info", self.write("s.tessera", twice + twice.replace("1", "-1")))
         self.assert_error(result, 1, "s.tessera: node 'a'")
-        for scene in ("s.tesserab", "s.json"):
-            self.write("s.tessera", 'nodes { shape { sphere { radius: -1 } } }')
-            self.assertEqual(0, self.run_program("convert", "s.tessera", scene).code)
-            self.assert_error(self.run_program("info", scene), 1, f"{scene}: node 1 > shape")
+        self.write("s.tessera", 'nodes { shape { sphere { radius: -1 } } }')
+        self.assertEqual(0, self.run_program("convert", "s.tessera", "s.tesserab").code)
+        self.assert_error(self.run_program("info", "s.tesserab"), 1, "s.tesserab: node 1 > shape")
 
 
 class Frames(TesseraTest):

@@ -155,6 +155,8 @@ TEST(SceneCodec, SaysWhereJsonIsWrong) {
             "s:1:21: 1e999; expected a number that double precision can hold");
   EXPECT_EQ(json_error("{\"settings\":{\"time\":\"NaN\"}}").substr(0, 35),
             "s:1:21: settings.time is not finite");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"shape\":{\"rectangle\":\n{\"edgeU\":{\"x\":\"NaN\"}}}}]}"),
+            "s:2:15: nodes[0].shape.rectangle.edge_u.x is not finite; expected a finite number");
   EXPECT_EQ(json_error("{} {}"), "s:1:4: text after the scene's end; expected nothing more");
 }
 

@@ -1,11 +1,11 @@
-#include <fmt/format.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-#include <google/protobuf/text_format.h>
+#include "proto/wire/scene_place.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
 #include <functional>
 
-#include "base/file.h"
-#include "proto/wire/scene_codec.h"
 #include "proto/wire/scene_errors.h"
 
 namespace tessera {
@@ -13,23 +13,29 @@ namespace {
 
 namespace pb = google::protobuf;
 using pb::FieldDescriptor;
-using Places = pb::TextFormat::ParseInfoTree;
 
-/// A message of the text, and where it begins.
+/// "nodes[3]", of a field in another message: `path` with it.
+std::string path_to(std::string path, const FieldDescriptor& field, int index) {
+  if (!path.empty()) path += '.';
+  path += field.name();
+  if (field.is_repeated()) path += fmt::format("[{}]", index);
+  return path;
+}
+
+/// A message of the scene, and its path from there: "nodes[3].shape".
 struct Part {
   const pb::Message* message = nullptr;
-  Places* places = nullptr;
-  pb::TextFormat::ParseLocation at;
+  std::string path;
 };
 
-/// Finds what an error's path names: "node 'hall' > node 3 > shape: sphere.radius is -1". Names may
+/// Finds what an error's words name: "node 'hall' > node 3 > shape: sphere.radius is -1". Names may
 /// hold anything, so steps are recognised by what the scene has, not cut at their marks.
 class Finder {
  public:
-  explicit Finder(const Part& root) : root_(root) {}
+  explicit Finder(const v1::Scene& scene) : root_{&scene, ""} {}
 
-  /// Nothing where the scene has no such part, or several.
-  std::optional<pb::TextFormat::ParseLocation> find(std::string_view message) {
+  /// The path of that field; nothing where the scene has no such part, or several.
+  std::optional<std::string> find(std::string_view message) {
     descend(root_, message);
     if (found_.size() != 1 || steps_ > kMostSteps) return std::nullopt;
     return found_.front();
@@ -45,7 +51,7 @@ class Finder {
       if (rest.starts_with(" > ")) {
         descend(next, rest.substr(3));
       } else if (rest.starts_with(": ")) {
-        found_.push_back(place_of_field(next, rest.substr(2)));
+        found_.push_back(path_of_field(next, rest.substr(2)));
       }
     });
   }
@@ -88,8 +94,7 @@ class Finder {
     const int count = reflection.FieldSize(*part.message, field);
     for (int i = 0; i < count; ++i) {
       const Part inside{&reflection.GetRepeatedMessage(*part.message, field, i),
-                        part.places->GetTreeForNested(field, i),
-                        part.places->GetLocation(field, i)};
+                        path_to(part.path, *field, i)};
       match(inside, text, std::string(kind), i, visit);
     }
   }
@@ -106,7 +111,7 @@ class Finder {
       // Cameras are not numbered; of several without a name none is found.
       step += fmt::format(" {}", index + 1);
     }
-    if (part.places && text.starts_with(step)) visit(part, text.substr(step.size()));
+    if (text.starts_with(step)) visit(part, text.substr(step.size()));
   }
 
   static std::optional<Part> nested(const Part& part, const std::string& name) {
@@ -116,14 +121,14 @@ class Finder {
       return std::nullopt;
     }
     return Part{&part.message->GetReflection()->GetMessage(*part.message, field),
-                part.places->GetTreeForNested(field, -1), part.places->GetLocation(field, -1)};
+                path_to(part.path, *field, 0)};
   }
 
-  /// Of "sphere.radius" in "sphere.radius is -1", as deep as the text writes it.
-  static pb::TextFormat::ParseLocation place_of_field(Part part, std::string_view text) {
+  /// Of "sphere.radius" in "sphere.radius is -1", as deep as the scene has it.
+  static std::string path_of_field(Part part, std::string_view text) {
     std::string_view path = text.substr(0, text.find(' '));
-    if (const auto entry = place_of_entry(part, path, text)) return *entry;
-    while (!path.empty() && part.places) {
+    if (const auto entry = path_of_entry(part, path, text)) return *entry;
+    while (!path.empty()) {
       const size_t dot = path.find('.');
       const std::string name(path.substr(0, dot));
       const FieldDescriptor* field = part.message->GetDescriptor()->FindFieldByName(name);
@@ -134,21 +139,17 @@ class Finder {
         part = *inside;
         continue;
       }
-      const pb::TextFormat::ParseLocation at =
-          part.places->GetLocation(field, field->is_repeated() ? 0 : -1);
-      if (at.line >= 0) part.at = at;
       const auto inside = nested(part, name);
-      if (!inside || dot == std::string_view::npos) break;
+      if (!inside || dot == std::string_view::npos) return path_to(part.path, *field, 0);
       part = *inside;
       path.remove_prefix(dot + 1);
     }
-    return part.at;
+    return part.path;
   }
 
   /// Of "material 'rde' is not defined": the entry of `materials`.
-  static std::optional<pb::TextFormat::ParseLocation> place_of_entry(const Part& part,
-                                                                     std::string_view kind,
-                                                                     std::string_view text) {
+  static std::optional<std::string> path_of_entry(const Part& part, std::string_view kind,
+                                                  std::string_view text) {
     const FieldDescriptor* field =
         part.message->GetDescriptor()->FindFieldByName(std::string(kind) + "s");
     if (!field || !field->is_repeated() || field->cpp_type() != FieldDescriptor::CPPTYPE_STRING) {
@@ -158,7 +159,7 @@ class Finder {
     for (int i = 0; i < reflection.FieldSize(*part.message, field); ++i) {
       const std::string name = reflection.GetRepeatedString(*part.message, field, i);
       if (text.substr(kind.size()).starts_with(" '" + name + "' ")) {
-        return part.places->GetLocation(field, i);
+        return path_to(part.path, *field, i);
       }
     }
     return std::nullopt;
@@ -176,32 +177,35 @@ class Finder {
 
   Part root_;
   int steps_ = 0;
-  std::vector<pb::TextFormat::ParseLocation> found_;
+  std::vector<std::string> found_;
 };
 
 }  // namespace
 
-SourcePlace place_in_scene_file(const std::string& path, std::string_view message) {
-  if (scene_encoding_of(path) != SceneEncoding::text) return {path};
-  std::string file;
-  try {
-    file = read_input_file(path, kMaxSceneFileBytes);
-  } catch (const Error&) {  // it has changed since it was read
-    return {path};
+std::optional<std::string> path_of_error(const v1::Scene& scene, std::string_view message) {
+  return Finder(scene).find(message);
+}
+
+SourcePlace place_in_text(const std::string& file, std::string_view text, std::string_view path,
+                          const pb::TextFormat::ParseInfoTree& places) {
+  const pb::Descriptor* type = v1::Scene::descriptor();
+  const pb::TextFormat::ParseInfoTree* inside = &places;
+  pb::TextFormat::ParseLocation at;
+  while (!path.empty() && type && inside) {
+    const std::string_view step = path.substr(0, path.find('.'));
+    path.remove_prefix(std::min(path.size(), step.size() + 1));
+    const size_t open = std::min(step.find('['), step.size());
+    const FieldDescriptor* field = type->FindFieldByName(std::string(step.substr(0, open)));
+    int index = -1;
+    if (open < step.size())
+      std::from_chars(step.data() + open + 1, step.data() + step.size(), index);
+    const pb::TextFormat::ParseLocation here = inside->GetLocation(field, index);
+    if (here.line >= 0) at = here;
+    inside = inside->GetTreeForNested(field, index);
+    type = field->message_type();
   }
-  const std::string_view text = skip_byte_order_mark(file);
-  Places places;
-  pb::TextFormat::Parser parser;
-  TextErrors ignored(path, text);
-  parser.RecordErrorsTo(&ignored);
-  parser.WriteLocationsTo(&places);
-  parser.SetRecursionLimit(kMaxSceneDepth + 32);  // as it was read
-  pb::io::ArrayInputStream input(text.data(), static_cast<int>(text.size()));
-  v1::Scene scene;
-  if (!parser.Parse(&input, &scene)) return {path};
-  const auto at = Finder({&scene, &places, {}}).find(message);
-  if (!at || at->line < 0) return {path};
-  return place_of(path, text, offset_of(text, at->line, at->column));
+  if (at.line < 0) return {file};
+  return place_of(file, text, offset_of(text, at.line, at.column));
 }
 
 }  // namespace tessera
