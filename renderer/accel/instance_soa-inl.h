@@ -21,6 +21,7 @@
 #include "renderer/accel/sphere_lanes-inl.h"
 #include "renderer/math/lanes-inl.h"
 #include "renderer/math/rounding.h"
+#include "renderer/shapes/shape_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
@@ -45,18 +46,17 @@ struct Nearest {
 HWY_INLINE void meet_planes(const InstanceSoA& few, uint32_t asked, const Lanes3& origin,
                             const Lanes3& direction, Lanes first, Lanes last, Nearest& nearest) {
   const PlaneSoA& row = few.planes;
-  const Lanes rounding = broadcast(gamma(4)), zero = hn::Zero(kLaneTag);
+  const Lanes zero = hn::Zero(kLaneTag);
   for (size_t i = 0; i < row.count; ++i) {
     if ((asked >> i & 1) == 0) continue;
-    const Lanes3 normal{broadcast(row.normal[0][i]), broadcast(row.normal[1][i]),
-                        broadcast(row.normal[2][i])};
-    const Lanes offset = broadcast(row.offset[i]), approach = dot(normal, direction);
-    const Lanes3 terms = normal * origin;
-    const Lanes height = sum(terms) - offset;
+    const PlaneEquation plane{
+        {broadcast(row.normal[0][i]), broadcast(row.normal[1][i]), broadcast(row.normal[2][i])},
+        broadcast(row.offset[i])};
+    const Lanes approach = dot(plane.normal, direction);
+    const Lanes height = plane.signed_distance(origin);
     const Lanes t = hn::Neg(height) / approach;
-    const Lanes error = rounding * (sum(abs(terms)) + hn::Abs(offset));
     const auto inside = hn::And(hn::Gt(t, first), hn::Lt(t, last));
-    auto is_met = hn::And(inside, hn::Gt(hn::Abs(height), error));
+    auto is_met = hn::And(inside, hn::Gt(hn::Abs(height), plane.distance_error(origin)));
     const auto in_front = hn::Lt(approach, zero);
     if ((row.from_front >> i & 1) == 0) is_met = hn::AndNot(in_front, is_met);
     if ((row.from_behind >> i & 1) == 0) is_met = hn::And(in_front, is_met);

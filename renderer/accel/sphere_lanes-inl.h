@@ -10,12 +10,11 @@
 
 #include "renderer/accel/sphere_soa.h"
 #include "renderer/math/lanes-inl.h"
+#include "renderer/shapes/shape_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
-
-#include "renderer/shapes/sphere-inl.h"
 
 /// Which of the rays meet the sphere that box `box` holds between `first` and `last`, and where.
 HWY_INLINE LaneMask meet_sphere(const SphereSoA& row, size_t box, const Lanes3& origin,

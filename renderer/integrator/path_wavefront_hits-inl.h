@@ -139,7 +139,7 @@ class PathWavefrontHits : public Wavefront<PathRays> {
       LaneSurface s;
       if (placed.form == PathSurfaces::Form::rectangle) {
         s = surface_of(*placed.rectangle, u, v);
-        place_in_world(s.point, s.error);
+        keep_point(s.point, s.error);
         s.front = s.shading = broadcast(placed.normal);
       } else {
         s = surface_of(*placed.mesh, met_.triangle + i, u, v, bad);

@@ -58,6 +58,7 @@ HWY_INLINE Num floor_of(Num x) { return hn::Floor(x); }
 HWY_INLINE Num square_root(Num x) { return hn::Sqrt(x); }
 HWY_INLINE Num copy_sign(Num size, Num sign) { return hn::CopySign(size, sign); }
 HWY_INLINE Num maximum(Num a, Num b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
+HWY_INLINE bool is_all(NumMask mask) { return hn::AllTrue(kLaneTag, mask); }
 HWY_INLINE NumMask both(NumMask a, NumMask b) { return hn::And(a, b); }
 HWY_INLINE NumMask either(NumMask a, NumMask b) { return hn::Or(a, b); }
 HWY_INLINE NumMask and_not(NumMask a, NumMask b) { return hn::AndNot(b, a); }
@@ -88,6 +89,7 @@ HWY_INLINE Lanes3 operator*(const Lanes3& a, Lanes s) { return {a.x * s, a.y * s
 HWY_INLINE Lanes3 operator/(const Lanes3& a, Lanes s) { return {a.x / s, a.y / s, a.z / s}; }
 HWY_INLINE Lanes3 abs(const Lanes3& a) { return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)}; }
 HWY_INLINE Lanes sum(const Lanes3& a) { return (a.x + a.y) + a.z; }
+HWY_INLINE Lanes l1_norm(const Lanes3& a) { return sum(abs(a)); }
 HWY_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) { return sum(a * b); }
 HWY_INLINE Lanes3 select(LaneMask mask, const Lanes3& yes, const Lanes3& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),

@@ -30,6 +30,8 @@ inline Num arc_tangent(Num y, Num x) { return portable::atan2(y, x); }
 inline Num copy_sign(Num size, Num sign) { return std::copysign(size, sign); }
 /// std::max(a, b), of what is no number and of zeros too.
 inline Num maximum(Num a, Num b) { return std::max(a, b); }
+/// Whether it is so in every lane.
+inline bool is_all(NumMask mask) { return mask; }
 inline NumMask both(NumMask a, NumMask b) { return a && b; }
 inline NumMask either(NumMask a, NumMask b) { return a || b; }
 /// a and not b.

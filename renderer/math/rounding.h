@@ -27,6 +27,12 @@ inline double next_up(double x) {
   return std::bit_cast<double>(bits + (x > 0 ? 1 : -1));
 }
 inline double next_down(double x) { return -next_up(-x); }
+/// The next larger value where `way` is positive, the next smaller one where it is negative.
+inline double next_towards(double x, double way) {
+  if (way > 0) return next_up(x);
+  if (way < 0) return next_down(x);
+  return x;
+}
 inline float next_up(float x) {
   if (!(x < std::numeric_limits<float>::infinity())) return x;
   if (x == 0) return std::numeric_limits<float>::denorm_min();

@@ -130,13 +130,6 @@ Affine look_at(const Point3& eye, const Point3& target, const Vec3& up) {
   return from_columns(x, cross(z, x), z, eye);
 }
 
-Normal3 Transform::normal(const Normal3& n) const {
-  const auto& m = from_.m;
-  return {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z,
-          m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
-          m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z};
-}
-
 Bounds3 Transform::bounds(const Bounds3& b) const {
   if (b.empty()) return b;
   Bounds3 mapped;
@@ -161,16 +154,9 @@ Bounds3 Transform::bounds(const Bounds3& b) const {
 }
 
 Vec3 Transform::point_error(const Point3& p, const Vec3& error) const {
-  Vec3 bound;
-  for (int r = 0; r < 3; ++r) {
-    const auto& m = to_.m[r];
-    const double given =
-        std::abs(m[0]) * error.x + std::abs(m[1]) * error.y + std::abs(m[2]) * error.z;
-    const double size =
-        std::abs(m[0] * p.x) + std::abs(m[1] * p.y) + std::abs(m[2] * p.z) + std::abs(m[3]);
-    bound[r] = (gamma(3) + 1) * given + gamma(4) * size;
-  }
-  return bound;
+  const Vec3 v = to_vec(p);
+  return {error_of_product(to_.m[0], v, error), error_of_product(to_.m[1], v, error),
+          error_of_product(to_.m[2], v, error)};
 }
 
 }  // namespace tessera

@@ -3,6 +3,8 @@
 #include <array>
 
 #include "renderer/math/bounds.h"
+#include "renderer/math/numbers.h"
+#include "renderer/math/rounding.h"
 #include "renderer/math/vec.h"
 
 namespace tessera {
@@ -24,6 +26,8 @@ struct Affine {
   double determinant() const;  ///< of the 3x3 part
   friend bool operator==(const Affine&, const Affine&) = default;
 };
+
+#include "renderer/math/transform-inl.h"
 
 /// a(b(p)).
 Affine operator*(const Affine& a, const Affine& b);
@@ -61,7 +65,9 @@ class Transform {
   Point3 point(const Point3& p) const { return to_(p); }
   Vec3 vector(const Vec3& v) const { return to_(v); }
   /// By the inverse transpose; not of unit length.
-  Normal3 normal(const Normal3& n) const;
+  Normal3 normal(const Normal3& n) const {
+    return to_normal(moved_normal(from_, static_cast<Vec3>(n)));
+  }
   Point3 inverse_point(const Point3& p) const { return from_(p); }
   Vec3 inverse_vector(const Vec3& v) const { return from_(v); }
   /// The box of the eight mapped corners, grown outward by the rounding error.

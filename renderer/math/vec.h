@@ -51,6 +51,9 @@ inline Vec3 operator-(const Point3& a, const Point3& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
+inline Vec3 to_vec(const Point3& p) { return {p.x, p.y, p.z}; }
+inline Point3 to_point(const Vec3& v) { return {v.x, v.y, v.z}; }
+
 inline Normal3 operator-(const Normal3& n) { return {-n.x, -n.y, -n.z}; }
 inline Normal3 to_normal(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -70,7 +73,6 @@ inline constexpr double kLeastSafeSquare = 1e-280, kMostSafeSquare = 1e280;
 /// normalize() where the square of the length is not between them.
 Vec3 normalize_extreme(const Vec3& v);
 /// Unit vector along `v`, which must not be zero; safe from overflow and underflow.
-/// Also a lane each in lanes-inl.h, bit for bit.
 inline Vec3 normalize(const Vec3& v) {
   const double squared = dot(v, v);
   if (!(squared > kLeastSafeSquare && squared < kMostSafeSquare)) [[unlikely]]

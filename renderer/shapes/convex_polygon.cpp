@@ -217,11 +217,9 @@ bool Rectangle::any_hit_inside(const Ray& ray, TraversalCounters& counters) cons
 
 LocalSurface Rectangle::surface(const Ray&, const Hit& hit) const {
   LocalSurface s;
-  const Vec3 along = edge_u_ * hit.u, up = edge_v_ * hit.v;
-  s.point = corner_ + along + up;
-  for (int a = 0; a < 3; ++a)
-    s.point_error[a] = gamma(8) * (std::abs(along[a]) + std::abs(up[a])) +
-                       gamma(3) * (std::abs(corner_[a]) + std::abs(s.point[a]));
+  Vec3 point;
+  place_on_rectangle(to_vec(corner_), edge_u_ * hit.u, edge_v_ * hit.v, point, s.point_error);
+  s.point = to_point(point);
   s.geometric_normal = s.shading_normal = to_normal(unit_normal_);
   s.uv = {hit.u, hit.v};
   s.dpdu = edge_u_;

@@ -4,9 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "renderer/math/numbers.h"
+#include "renderer/math/rounding.h"
 #include "renderer/shapes/shape.h"
 
 namespace tessera {
+
+#include "renderer/shapes/rectangle-inl.h"
 
 /// A flat convex polygon, counter-clockwise seen from its front. Its edges are tested as those of
 /// the watertight triangle test, so polygons and triangles that share vertices leave no crack
@@ -54,7 +58,6 @@ class Rectangle final : public Shape {
   Bounds3 bounds() const override;
   /// Also a lane each in instance_soa-inl.h, bit for bit.
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  /// Also a lane each in lane_surface-inl.h, bit for bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   /// By solid angle (Urena et al. 2013, "An Area-Preserving Parametrization for Spherical
   /// Rectangles") where it is near; else, or where it is no rectangle, about so, by densities that

@@ -55,14 +55,8 @@ HWY_INLINE LaneSurface surface_of(const TriangleMesh& mesh, const uint32_t* tria
   const Lanes weight[3] = {broadcast(1) - u - v, u, v};
   Lanes3 corner[3];
   LaneSurface s;
-  s.point = s.error = {zero, zero, zero};
-  for (size_t k = 0; k < 3; ++k) {
-    corner[k] = lanes.of(mesh.positions, k);
-    const Lanes3 share = corner[k] * weight[k];
-    s.point = s.point + share;
-    s.error = s.error + abs(share);
-  }
-  s.error = s.error * broadcast(gamma(7));
+  for (size_t k = 0; k < 3; ++k) corner[k] = lanes.of(mesh.positions, k);
+  place_on_triangle(corner, {weight[0], weight[1], weight[2]}, s.point, s.error);
   const Lanes3 n = accurate_cross(corner[1] - corner[0], corner[2] - corner[0]);
   bad = movemask(hn::Not(hn::Gt(max_component(abs(n)), zero)));
   s.front = s.shading = normalize(n);

@@ -5,14 +5,12 @@
 namespace tessera {
 
 Plane::Plane(const Vec3& normal, double offset, bool keep_uv)
-    : ConvexSolid(ShapeKind::plane),
-      normal_(normalize(normal)),
-      offset_(offset),
-      keep_uv_(keep_uv) {
-  const bool along_y = std::abs(normal_.y) > 0.9;
-  dpdu_ = normalize(cross(along_y ? Vec3{0, 0, 1} : Vec3{0, 1, 0}, normal_));
-  if (along_y) dpdu_ = dpdu_ * (normal_.y < 0 ? -1 : 1);
-  dpdv_ = cross(normal_, dpdu_);
+    : ConvexSolid(ShapeKind::plane), equation_{normalize(normal), offset}, keep_uv_(keep_uv) {
+  const Vec3& n = equation_.normal;
+  const bool along_y = std::abs(n.y) > 0.9;
+  dpdu_ = normalize(cross(along_y ? Vec3{0, 0, 1} : Vec3{0, 1, 0}, n));
+  if (along_y) dpdu_ = dpdu_ * (n.y < 0 ? -1 : 1);
+  dpdv_ = cross(n, dpdu_);
 }
 
 Bounds3 Plane::bounds() const { return Bounds3::everywhere(); }
@@ -31,7 +29,7 @@ LocalSurface Plane::surface(const Ray& ray, const Hit& hit) const {
   if (!keep_uv_) return s;
   s.dpdu = dpdu_;
   s.dpdv = dpdv_;
-  const Vec3 from_foot = s.point - (Point3{} + normal_ * offset_);
+  const Vec3 from_foot = s.point - (Point3{} + equation_.normal * equation_.offset);
   s.uv = {dot(from_foot, s.dpdu), dot(from_foot, s.dpdv)};
   return s;
 }

@@ -1,5 +1,14 @@
 // Written once for single numbers and for lanes (numbers.h): included by sphere.h, and by
-// sphere_lanes-inl.h for each instruction set.
+// shape_lanes-inl.h for each instruction set.
+
+/// Takes a point that an intersection found onto the sphere; `normal` points out of it there, and
+/// `error` is how far off the point may be.
+TESSERA_INLINE void place_on_sphere(const Num3& center, Num radius, Num3& point, Num3& normal,
+                                    Num3& error) {
+  normal = normalize(point - center);
+  point = center + normal * radius;
+  error = (abs(center) + abs(normal) * (num(5) * radius) + abs(point)) * num(kUnitRoundoff);
+}
 
 /// A line against a sphere about the origin.
 struct SphereLine {

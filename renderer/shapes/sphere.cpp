@@ -118,11 +118,9 @@ bool Sphere::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) 
 LocalSurface Sphere::surface(const Ray& ray, const Hit& hit) const {
   using namespace portable;
   LocalSurface s;
-  const Vec3 n = normalize(ray.at(hit.t) - center_);
-  s.point = center_ + n * radius_;
-  for (int a = 0; a < 3; ++a)
-    s.point_error[a] = kUnitRoundoff *
-                       (std::abs(center_[a]) + 5 * radius_ * std::abs(n[a]) + std::abs(s.point[a]));
+  Vec3 point = to_vec(ray.at(hit.t)), n;
+  place_on_sphere(to_vec(center_), radius_, point, n, s.point_error);
+  s.point = to_point(point);
   s.geometric_normal = s.shading_normal = to_normal(n);
   if (!keep_uv_) return s;
   const double turn = atan2(-n.x, -n.z) / (2 * kPi);

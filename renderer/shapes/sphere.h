@@ -1,6 +1,7 @@
 #pragma once
 
 #include "renderer/math/numbers.h"
+#include "renderer/math/rounding.h"
 #include "renderer/shapes/solid.h"
 
 namespace tessera {
@@ -23,7 +24,6 @@ class Sphere final : public ConvexSolid {
   double radius() const { return radius_; }
   Bounds3 bounds() const override;
   bool closest_hit(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
-  /// Also a lane each in lane_surface-inl.h, bit for bit.
   LocalSurface surface(const Ray& ray, const Hit& hit) const override;
   bool span(const Ray& ray, const RayError& error, SolidSpan& span) const override;
   /// By the cone in which it is seen, where it stays a sphere.

@@ -5,26 +5,10 @@
 namespace tessera {
 namespace {
 
-/// What taking the point into the shape's frame again and back adds to its error.
-Vec3 round_trip_error(const Transform& world_from_object, const Point3& world) {
-  const auto& to = world_from_object.matrix().m;
-  const auto& from = world_from_object.inverse_matrix().m;
-  Vec3 local;
-  for (int r = 0; r < 3; ++r)
-    local[r] = gamma(4) * (std::abs(from[r][0] * world.x) + std::abs(from[r][1] * world.y) +
-                           std::abs(from[r][2] * world.z) + std::abs(from[r][3]));
-  Vec3 error;
-  for (int r = 0; r < 3; ++r)
-    error[r] =
-        std::abs(to[r][0]) * local.x + std::abs(to[r][1]) * local.y + std::abs(to[r][2]) * local.z;
-  return error;
-}
-
 void place_moved(const Transform& world_from_object, LocalSurface& s) {
-  const Point3 world = world_from_object.point(s.point);
-  s.point_error = world_from_object.point_error(s.point, s.point_error) +
-                  round_trip_error(world_from_object, world);
-  s.point = world;
+  Vec3 point = to_vec(s.point);
+  move_point(world_from_object.matrix(), world_from_object.inverse_matrix(), point, s.point_error);
+  s.point = to_point(point);
   const bool is_flat = s.shading_normal == s.geometric_normal;
   s.geometric_normal = normalize(world_from_object.normal(s.geometric_normal));
   s.shading_normal =
@@ -40,19 +24,15 @@ void place_moved(const Transform& world_from_object, LocalSurface& s) {
   s.bitangent = world_from_object.vector(s.bitangent);
 }
 
-/// What place_moved() does, to the last bit, under the identity.
+/// What place_moved() does, bit for bit, under the identity.
 void place_unmoved(LocalSurface& s) {
-  const Vec3 zero{};
-  const auto placed = [&](const Normal3& normal) {
-    const Vec3 n = static_cast<Vec3>(normal) + zero;
-    return to_normal(length_squared(n) == 1 ? n : normalize(n));
-  };
+  const auto kept = [](const Normal3& n) { return to_normal(kept_normal(static_cast<Vec3>(n))); };
   const bool is_flat = s.shading_normal == s.geometric_normal;
-  s.point = s.point + zero;  // no -0
-  const Vec3 size = abs(s.point - Point3{}) * gamma(4);
-  s.point_error = s.point_error * (gamma(3) + 1) + size + size;
-  s.geometric_normal = placed(s.geometric_normal);
-  s.shading_normal = is_flat ? s.geometric_normal : placed(s.shading_normal);
+  Vec3 point = to_vec(s.point);
+  keep_point(point, s.point_error);
+  s.point = to_point(point);
+  s.geometric_normal = kept(s.geometric_normal);
+  s.shading_normal = is_flat ? s.geometric_normal : kept(s.shading_normal);
 }
 
 }  // namespace
@@ -64,8 +44,9 @@ void take_to_world(const Transform& world_from_object, bool flip_normals, uint32
   } else {
     place_moved(world_from_object, s);
   }
-  if (flip_normals) s.geometric_normal = -s.geometric_normal, s.shading_normal = -s.shading_normal;
-  if (dot(s.geometric_normal, s.shading_normal) < kFlipCosine) s.shading_normal = -s.shading_normal;
+  Vec3 front = static_cast<Vec3>(s.geometric_normal), shading = static_cast<Vec3>(s.shading_normal);
+  turn_normals(flip_normals, front, shading);
+  s.geometric_normal = to_normal(front), s.shading_normal = to_normal(shading);
   s.instance = instance;
 }
 

@@ -16,19 +16,18 @@ using SurfaceInteraction = LocalSurface;
 /// inward, and is turned round; others may lean as far from the face as they do.
 inline constexpr double kFlipCosine = -0.5;
 
+#include "renderer/shapes/surface_interaction-inl.h"
+
 /// Takes the surface into world space where it stands. Normals go by the inverse transpose, so that
 /// the front stays the front under a mirroring transform too; `flip_normals` turns them round.
-/// Also a lane each in lane_transform-inl.h, bit for bit.
 void take_to_world(const Transform& world_from_object, bool flip_normals, uint32_t instance,
                    LocalSurface& surface);
 /// The same where the transform is the identity and the shading normal is the geometric one.
 inline void take_flat_to_world(bool flip_normals, uint32_t instance, LocalSurface& s) {
-  const Vec3 zero{};
-  s.point = s.point + zero;  // no -0
-  const Vec3 size = abs(s.point - Point3{}) * gamma(4);
-  s.point_error = s.point_error * (gamma(3) + 1) + size + size;
-  const Vec3 front = static_cast<Vec3>(s.geometric_normal) + zero;
-  Vec3 n = length_squared(front) == 1 ? front : normalize(front);
+  Vec3 point = to_vec(s.point);
+  keep_point(point, s.point_error);
+  s.point = to_point(point);
+  Vec3 n = kept_normal(static_cast<Vec3>(s.geometric_normal));
   if (flip_normals) n = -n;
   s.geometric_normal = s.shading_normal = to_normal(n);
   s.instance = instance;
@@ -39,9 +38,8 @@ inline SurfaceInteraction to_world(LocalSurface surface, const Transform& world_
   return surface;
 }
 
-/// Where rays that leave a surface start, worked out once for each side of it: moved off by the
-/// error bound and rounded outward (PBRT 4ed, 6.8.6), so that they do not meet the surface that
-/// they start on.
+/// Where rays that leave a surface start, worked out once for each side of it: by moved_off(), so
+/// that they do not meet the surface that they start on.
 class RayOrigins {
  public:
   /// `from` must outlive this.
@@ -58,7 +56,6 @@ class RayOrigins {
     return ray;
   }
   /// Where rays to the side that `direction` points to start.
-  /// Also a lane each in lane_surface-inl.h, bit for bit.
   const Point3& towards(const Vec3& direction) {
     const bool behind = dot(from_.geometric_normal, direction) < 0;
     if (!known_[behind]) work_out(behind);
@@ -67,19 +64,9 @@ class RayOrigins {
 
  private:
   void work_out(bool behind) {
-    const Vec3 n = static_cast<Vec3>(from_.geometric_normal);
-    const double reach = dot(abs(n), from_.point_error);
-    const Vec3 offset = n * (behind ? -reach : reach);
-    Point3& origin = origins_[behind];
-    origin = from_.point + offset;
-    for (int a = 0; a < 3; ++a) origin[a] = next_towards(origin[a], offset[a]);
+    origins_[behind] = to_point(moved_off(to_vec(from_.point), from_.point_error,
+                                          static_cast<Vec3>(from_.geometric_normal), behind));
     known_[behind] = true;
-  }
-  /// The next larger value where `way` is positive, the next smaller one where it is negative.
-  static double next_towards(double x, double way) {
-    if (way > 0) return next_up(x);
-    if (way < 0) return next_down(x);
-    return x;
   }
 
   const SurfaceInteraction& from_;

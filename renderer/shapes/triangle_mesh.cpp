@@ -10,6 +10,8 @@
 namespace tessera {
 namespace {
 
+#include "renderer/shapes/triangle-inl.h"
+
 /// Of unit length. Corners in a line have no normal of their own: any that is square to the line
 /// serves the rare ray that rounding lets hit there.
 Vec3 unit_normal(const std::array<Point3, 3>& corner) {
@@ -145,15 +147,10 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
   const std::array<Point3, 3> corner = mesh.corners(triangle);
   const std::array<double, 3> weight{1 - u - v, u, v};
   LocalSurface surface;
-  for (int axis = 0; axis < 3; ++axis) {
-    double sum = 0, size = 0;
-    for (int k = 0; k < 3; ++k) {
-      sum += weight[k] * corner[k][axis];
-      size += std::abs(weight[k] * corner[k][axis]);
-    }
-    surface.point[axis] = sum;
-    surface.point_error[axis] = gamma(7) * size;
-  }
+  Vec3 point;
+  place_on_triangle({to_vec(corner[0]), to_vec(corner[1]), to_vec(corner[2])},
+                    {weight[0], weight[1], weight[2]}, point, surface.point_error);
+  surface.point = to_point(point);
   surface.geometric_normal = to_normal(unit_normal(corner));
   surface.shading_normal = surface.geometric_normal;
   if (!mesh.normals.empty()) {
