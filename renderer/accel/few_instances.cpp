@@ -75,13 +75,13 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
     bounds_.extend(box);
     if (const Rectangle* const rectangle = plain_rectangle(instance)) {
       rectangles_[i] = rectangle;
-      const size_t place = rows_.rectangles.count;
+      const size_t place = soa_.rectangles.count;
       const Cull cull = seen_cull(instance);
-      if (cull != Cull::front) rows_.seen_from_front |= 1u << place;
-      if (cull != Cull::back) rows_.seen_from_behind |= 1u << place;
-      if (instance.casts_shadow) rows_.shading_rectangles |= 1u << place;
-      held_[place] = rows_.rectangle_instances[place] = i;
-      rows_.rectangles.add(*rectangle);
+      if (cull != Cull::front) soa_.seen_from_front |= 1u << place;
+      if (cull != Cull::back) soa_.seen_from_behind |= 1u << place;
+      if (instance.casts_shadow) soa_.shading_rectangles |= 1u << place;
+      held_[place] = soa_.rectangle_instances[place] = i;
+      soa_.rectangles.add(*rectangle);
     } else if (can_be_held(instance, box)) {
       held_[kBoxes + boxes.size()] = i;
       boxes.push_back(box);
@@ -90,32 +90,32 @@ FewInstances::FewInstances(std::vector<Instance> instances, const BvhKernels& co
       endless_.push_back(i);
     }
   }
-  rows_.rectangles.finish();
-  rows_.boxes = BoxSoA(boxes);
+  soa_.rectangles.finish();
+  soa_.boxes = BoxSoA(boxes);
   if (!bounded.empty()) bounded_extent_ = max_component(bounded.max - bounded.min);
-  take_rows();
+  fill_soa();
 }
 
 size_t FewInstances::planes_among(std::span<const Instance> instances) {
   return static_cast<size_t>(std::count_if(instances.begin(), instances.end(), is_plain_plane));
 }
 
-void FewInstances::take_rows() {
-  PlaneSoA& planes = rows_.planes;
+void FewInstances::fill_soa() {
+  PlaneSoA& planes = soa_.planes;
   for (const uint32_t i : endless_) {
     if (planes.count == PlaneSoA::kMost || !is_plain_plane(instances_[i])) {
-      row_endless_.push_back(i);
+      soa_endless_.push_back(i);
       continue;
     }
-    rows_.plane_instances[planes.count] = i;
-    if (instances_[i].casts_shadow) rows_.shading_planes |= 1u << planes.count;
+    soa_.plane_instances[planes.count] = i;
+    if (instances_[i].casts_shadow) soa_.shading_planes |= 1u << planes.count;
     planes.add(static_cast<const Plane&>(*instances_[i].shape), seen_cull(instances_[i]));
   }
   if (planes.count >= PlaneSoA::kLeast) {
     planes_at_once_ = planes.count;
-    endless_ = row_endless_;
+    endless_ = soa_endless_;
   }
-  for (size_t box = 0; (rows_.boxes.all >> box & 1) != 0; ++box) {
+  for (size_t box = 0; (soa_.boxes.all >> box & 1) != 0; ++box) {
     const uint32_t i = held_[kBoxes + box];
     const Instance& instance = instances_[i];
     if (instance.shape->takes_batches()) batch_boxes_ |= 1u << box;
@@ -123,33 +123,33 @@ void FewInstances::take_rows() {
     if (const auto* const csg = dynamic_cast<const CsgShape*>(instance.shape.get())) {
       std::optional<CarvedBox> carved = csg->carved_box();
       if (!carved || instance.cull != Cull::none || !instance.casts_shadow) continue;
-      rows_.carved[box] = *std::move(carved);
-      rows_.carved_boxes |= 1u << box;
+      soa_.carved[box] = *std::move(carved);
+      soa_.carved_boxes |= 1u << box;
     }
     if (instance.shape->kind() != ShapeKind::sphere) continue;
     const auto& sphere = static_cast<const Sphere&>(*instance.shape);
     // Beyond, squares leave the range of double, and a hit may be told before its box is entered.
     if (!(sphere.radius() > 1e-100 && sphere.radius() < 1e100)) continue;
-    rows_.spheres.set(box, sphere, i, seen_cull(instance), instance.casts_shadow);
+    soa_.spheres.set(box, sphere, i, seen_cull(instance), instance.casts_shadow);
   }
 }
 
 void FewInstances::find_rectangles(const Ray& ray, double t_max, Candidates& candidates) const {
   if (is_all_in_boxes()) return;
-  const RectanglesMet met = rectangles_met_(rows_.rectangles, ray, t_max, candidates.entered);
-  const uint32_t two_sided = rows_.seen_from_front & rows_.seen_from_behind;
+  const RectanglesMet met = rectangles_met_(soa_.rectangles, ray, t_max, candidates.entered);
+  const uint32_t two_sided = soa_.seen_from_front & soa_.seen_from_behind;
   candidates.left = met.maybe;
   candidates.inside = ray.cull == Cull::none ? met.inside & two_sided : 0;
   candidates.is_unusual = (met.maybe & RectangleSoA::kUnusual) != 0;
 }
 
 void FewInstances::find_boxes(const Ray& ray, double t_max, Candidates& candidates) const {
-  if (rows_.boxes.count == 0) {
+  if (soa_.boxes.count == 0) {
     candidates.is_unusual |= is_all_in_boxes();
     return;
   }
-  const uint32_t in = boxes_entered_(rows_.boxes, ray, t_max, candidates.entered + kBoxes);
-  candidates.left |= (in & rows_.boxes.all) << kBoxes;
+  const uint32_t in = boxes_entered_(soa_.boxes, ray, t_max, candidates.entered + kBoxes);
+  candidates.left |= (in & soa_.boxes.all) << kBoxes;
   candidates.is_unusual |= (in & BoxSoA::kUnusual) != 0;
 }
 
@@ -158,17 +158,17 @@ inline bool FewInstances::closest_plane(const Ray& ray, Hit& hit,
   if (ray.cull != Cull::none) {
     bool found = false;
     for (size_t i = 0; i < planes_at_once_; ++i) {
-      const uint32_t number = rows_.plane_instances[i];
+      const uint32_t number = soa_.plane_instances[i];
       found |= closest_hit_of(instances_[number], number, ray, hit, counters);
     }
     return found;
   }
   counters.primitive_tests += planes_at_once_;
   double t[PlaneSoA::kMost];
-  uint32_t met = planes_met_(rows_.planes, ray, hit.t, t);
+  uint32_t met = planes_met_(soa_.planes, ray, hit.t, t);
   if (met == 0) return false;
   const size_t nearest = take_nearest(met, t);
-  return take_if_closer(t[nearest], rows_.plane_instances[nearest], hit);
+  return take_if_closer(t[nearest], soa_.plane_instances[nearest], hit);
 }
 
 inline bool FewInstances::closest_endless(const Ray& ray, Hit& hit,
@@ -182,10 +182,10 @@ inline bool FewInstances::any_endless(const Ray& ray, TraversalCounters& counter
   if (planes_at_once_ > 0 && ray.cull == Cull::none) {
     counters.primitive_tests += planes_at_once_;
     double t[PlaneSoA::kMost];
-    if ((planes_met_(rows_.planes, ray, ray.t_max, t) & rows_.shading_planes) != 0) return true;
+    if ((planes_met_(soa_.planes, ray, ray.t_max, t) & soa_.shading_planes) != 0) return true;
   } else {
     for (size_t i = 0; i < planes_at_once_; ++i)
-      if (any_hit_of(instances_[rows_.plane_instances[i]], ray, counters)) return true;
+      if (any_hit_of(instances_[soa_.plane_instances[i]], ray, counters)) return true;
   }
   for (const uint32_t i : endless_)
     if (any_hit_of(instances_[i], ray, counters)) return true;
@@ -213,7 +213,7 @@ bool FewInstances::closest_hit(const Ray& ray, Hit& hit, TraversalCounters& coun
 void FewInstances::closest_hits(const RayBatch& rays, std::span<Hit> hits,
                                 TraversalCounters& counters) const {
   BatchHits met;
-  intersect_batch_(rows_, rays, false, met);
+  intersect_batch_(soa_, rays, false, met);
   counters.primitive_tests += met.tests;
   const uint32_t batch_boxes = boxes_for_batches(rays);
   for (size_t i = 0; i < rays.count; ++i) {
@@ -221,7 +221,7 @@ void FewInstances::closest_hits(const RayBatch& rays, std::span<Hit> hits,
     hit = {};
     auto boxes = static_cast<uint32_t>(met.boxes[i]);
     if ((boxes & BoxSoA::kUnusual) != 0) [[unlikely]] {
-      counters.primitive_tests -= rows_.tests_of_each();
+      counters.primitive_tests -= soa_.tests_of_each();
       closest_hit(rays.ray(i), hit, counters);
       continue;
     }
@@ -229,9 +229,9 @@ void FewInstances::closest_hits(const RayBatch& rays, std::span<Hit> hits,
     const bool on_rectangle = std::isfinite(met.t[i]) && rectangles_[nearest];
     hit.t = met.t[i];
     hit.instance = nearest;
-    if (boxes == 0 && row_endless_.empty() && !on_rectangle) continue;
+    if (boxes == 0 && soa_endless_.empty() && !on_rectangle) continue;
     const Ray ray = rays.ray(i);
-    for (const uint32_t of : row_endless_) closest_hit_of(instances_[of], of, ray, hit, counters);
+    for (const uint32_t of : soa_endless_) closest_hit_of(instances_[of], of, ray, hit, counters);
     double entered[BoxSoA::kMost];
     if ((boxes & (boxes - 1)) != 0) {
       for (uint32_t left = boxes; left != 0;) {
@@ -288,7 +288,7 @@ void FewInstances::closest_in_batches(const RayBatch& rays, const BatchHits& met
 
 uint64_t FewInstances::any_hits(const RayBatch& rays, TraversalCounters& counters) const {
   BatchHits met;
-  intersect_batch_(rows_, rays, true, met);
+  intersect_batch_(soa_, rays, true, met);
   counters.primitive_tests += met.tests;
   const uint32_t batch_boxes = boxes_for_batches(rays);
   uint64_t stopped = 0;
@@ -296,14 +296,14 @@ uint64_t FewInstances::any_hits(const RayBatch& rays, TraversalCounters& counter
     const auto boxes = static_cast<uint32_t>(met.boxes[i]);
     bool stops = false;
     if ((boxes & BoxSoA::kUnusual) != 0) [[unlikely]] {
-      counters.primitive_tests -= rows_.tests_of_each();
+      counters.primitive_tests -= soa_.tests_of_each();
       stops = any_hit(rays.ray(i), counters);
     } else if (std::isfinite(met.t[i])) {
       stops = true;
-    } else if (boxes != 0 || !row_endless_.empty()) {
+    } else if (boxes != 0 || !soa_endless_.empty()) {
       const Ray ray = rays.ray(i);
       stops = std::ranges::any_of(
-          row_endless_, [&](uint32_t of) { return any_hit_of(instances_[of], ray, counters); });
+          soa_endless_, [&](uint32_t of) { return any_hit_of(instances_[of], ray, counters); });
       for (uint32_t left = boxes & ~batch_boxes; left != 0 && !stops;)
         stops = any_hit_of(instances_[held_[kBoxes + take_lowest(left)]], ray, counters);
     }
@@ -370,7 +370,7 @@ AcceleratorStatistics FewInstances::statistics() const {
   return {.primitives = instances_.size(),
           .references = instances_.size(),
           .bytes = sizeof(FewInstances) + instances_.size() * (sizeof(Instance) + sizeof(void*)) +
-                   (row_endless_.size() + endless_.size()) * sizeof(uint32_t)};
+                   (soa_endless_.size() + endless_.size()) * sizeof(uint32_t)};
 }
 
 }  // namespace tessera

@@ -32,10 +32,10 @@ class FewInstances final : public Accelerator {
   AcceleratorStatistics statistics() const override;
 
   /// A bit of a mask stands for one of them.
-  const BoxSoA& boxes() const { return rows_.boxes; }
-  const InstanceSoA& rows() const { return rows_; }
+  const BoxSoA& boxes() const { return soa_.boxes; }
+  const InstanceSoA& soa() const { return soa_; }
   /// Whether nothing is held as a rectangle, so that what is in no box is always tested.
-  bool is_all_in_boxes() const { return rows_.rectangles.count == 0; }
+  bool is_all_in_boxes() const { return soa_.rectangles.count == 0; }
   /// any_hit() of a ray that may hit what is in `boxes`, as BvhKernels::boxes_entered tells, where
   /// all are in boxes.
   bool any_hit_among(uint32_t boxes, const Ray& ray, TraversalCounters& counters) const;
@@ -48,7 +48,7 @@ class FewInstances final : public Accelerator {
   static size_t planes_among(std::span<const Instance> instances);
 
  private:
-  void take_rows();
+  void fill_soa();
   /// The place of the first box among candidates.
   static constexpr size_t kBoxes = RectangleSoA::kMost;
   /// What the ray may hit, a bit each, and lower bounds of t there.
@@ -77,16 +77,16 @@ class FewInstances final : public Accelerator {
 
   std::vector<Instance> instances_;
   std::vector<const Rectangle*> rectangles_;  ///< by instance; null: it is not held as one
-  InstanceSoA rows_;
-  /// Of rows_.planes those that a single ray is held against at once: all or, if they are fewer
+  InstanceSoA soa_;
+  /// Of soa_.planes those that a single ray is held against at once: all or, if they are fewer
   /// than PlaneSoA::kLeast, none.
   size_t planes_at_once_ = 0;
   /// What is in no box and no rectangle, ascending, always tested: by many rays at once beside
-  /// rows_.planes, by a single ray beside those that it is held against at once.
-  std::vector<uint32_t> row_endless_, endless_;
-  double bounded_extent_ = 0;  ///< the longest side of the box around rows_.boxes
-  uint32_t batch_boxes_ = 0;   ///< a bit for each of rows_.boxes that holds what takes_batches()
-  /// By candidate: those of the row of rectangles, and from kBoxes on those of the row of boxes.
+  /// soa_.planes, by a single ray beside those that it is held against at once.
+  std::vector<uint32_t> soa_endless_, endless_;
+  double bounded_extent_ = 0;  ///< the longest side of the box around soa_.boxes
+  uint32_t batch_boxes_ = 0;   ///< a bit for each of soa_.boxes that holds what takes_batches()
+  /// By candidate: those of the rectangles, and from kBoxes on those of the boxes.
   std::array<uint32_t, 2 * BoxSoA::kMost> held_{};
   Bounds3 bounds_;
   decltype(BvhKernels::boxes_entered) boxes_entered_;

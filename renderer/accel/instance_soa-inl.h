@@ -1,5 +1,5 @@
-// Part of bvh_kernels.cpp, compiled once for each instruction set: what a row of rays meets of
-// InstanceSoA, a lane a ray.
+// Part of bvh_kernels.cpp, compiled once for each instruction set: what the rays of a batch
+// meet of InstanceSoA, a lane a ray.
 #if defined(TESSERA_INSTANCE_SOA_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_INSTANCE_SOA_INL_H
 #undef TESSERA_INSTANCE_SOA_INL_H
@@ -45,21 +45,21 @@ struct Nearest {
 /// Plane::intersect() with each, line by line, and no product fused with a sum.
 HWY_INLINE void meet_planes(const InstanceSoA& few, uint32_t asked, const Lanes3& origin,
                             const Lanes3& direction, Lanes first, Lanes last, Nearest& nearest) {
-  const PlaneSoA& row = few.planes;
+  const PlaneSoA& planes = few.planes;
   const Lanes zero = hn::Zero(kLaneTag);
-  for (size_t i = 0; i < row.count; ++i) {
+  for (size_t i = 0; i < planes.count; ++i) {
     if ((asked >> i & 1) == 0) continue;
-    const PlaneEquation plane{
-        {broadcast(row.normal[0][i]), broadcast(row.normal[1][i]), broadcast(row.normal[2][i])},
-        broadcast(row.offset[i])};
+    const PlaneEquation plane{{broadcast(planes.normal[0][i]), broadcast(planes.normal[1][i]),
+                               broadcast(planes.normal[2][i])},
+                              broadcast(planes.offset[i])};
     const Lanes approach = dot(plane.normal, direction);
     const Lanes height = plane.signed_distance(origin);
     const Lanes t = hn::Neg(height) / approach;
     const auto inside = hn::And(hn::Gt(t, first), hn::Lt(t, last));
     auto is_met = hn::And(inside, hn::Gt(hn::Abs(height), plane.distance_error(origin)));
     const auto in_front = hn::Lt(approach, zero);
-    if ((row.from_front >> i & 1) == 0) is_met = hn::AndNot(in_front, is_met);
-    if ((row.from_behind >> i & 1) == 0) is_met = hn::And(in_front, is_met);
+    if ((planes.from_front >> i & 1) == 0) is_met = hn::AndNot(in_front, is_met);
+    if ((planes.from_behind >> i & 1) == 0) is_met = hn::And(in_front, is_met);
     nearest.take(is_met, t, few.plane_instances[i]);
   }
 }
@@ -76,19 +76,19 @@ struct RectangleCrossing {
   /// Of the normal, what cross_plane() asks for.
   Lanes height, approach, reach;
 };
-HWY_INLINE RectangleCrossing cross_rectangle(const RectangleSoA& row, size_t i,
+HWY_INLINE RectangleCrossing cross_rectangle(const RectangleSoA& rectangles, size_t i,
                                              const Lanes3& origin, const Lanes3& direction) {
   RectangleCrossing at;
-  at.from = origin - part_of(row.corner, i);
-  const Lanes3 normal = part_of(row.normal, i);
-  if (row.axis[i] < 0) {
+  at.from = origin - part_of(rectangles.corner, i);
+  const Lanes3 normal = part_of(rectangles.normal, i);
+  if (rectangles.axis[i] < 0) {
     at.height = accurate_dot(normal, at.from);
     at.approach = accurate_dot(normal, direction);
     at.reach = dot(abs(normal), abs(at.from));
   } else {
-    const Lanes along = along_axis(normal, row.axis[i]);
-    at.height = along * along_axis(at.from, row.axis[i]);
-    at.approach = along * along_axis(direction, row.axis[i]);
+    const Lanes along = along_axis(normal, rectangles.axis[i]);
+    at.height = along * along_axis(at.from, rectangles.axis[i]);
+    at.approach = along * along_axis(direction, rectangles.axis[i]);
     at.reach = hn::Abs(at.height);
   }
   return at;
@@ -105,30 +105,30 @@ HWY_INLINE LaneMask are_close(Lanes t, Lanes other) {
 HWY_INLINE LaneMask meet_rectangles(const InstanceSoA& few, uint32_t asked, const Lanes3& origin,
                                     const Lanes3& direction, const Lanes3& inverse, Lanes first,
                                     Lanes last, Nearest& nearest) {
-  const RectangleSoA& row = few.rectangles;
+  const RectangleSoA& rectangles = few.rectangles;
   const Lanes zero = hn::Zero(kLaneTag), half = broadcast(0.5);
   const Lanes steep = sum(abs(direction));
-  const Lanes slack = broadcast(2 * RectangleSoA::kMargin * row.extent) / steep;
+  const Lanes slack = broadcast(2 * RectangleSoA::kMargin * rectangles.extent) / steep;
   auto in_doubt = hn::Lt(steep, zero), is_rectangle = in_doubt;  // none
   Lanes height = zero, approach = broadcast(1);
   while (asked != 0) {
     const size_t i = take_lowest_lane(asked);
-    const RectangleCrossing at = cross_rectangle(row, i, origin, direction);
+    const RectangleCrossing at = cross_rectangle(rectangles, i, origin, direction);
     const auto exact = [&] HWY_ATTR { return hn::Neg(at.height) / at.approach; };
-    const int axis = row.axis[i];
+    const int axis = rectangles.axis[i];
     Lanes t = axis < 0 ? exact() : hn::Neg(along_axis(at.from, axis) * along_axis(inverse, axis));
-    const auto told = hn::Gt(hn::Abs(at.approach), broadcast(row.grazing[i]) * steep);
+    const auto told = hn::Gt(hn::Abs(at.approach), broadcast(rectangles.grazing[i]) * steep);
     const auto too_far = hn::Gt(t, hn::Min(last, nearest.t) + slack);
     const auto elsewhere = hn::Or(hn::Lt(t + slack, first), too_far);
     if (hn::AllTrue(kLaneTag, hn::And(told, elsewhere))) continue;
     const Lanes3 p = direction * t + at.from;
-    const Lanes u = hn::Abs(dot(part_of(row.share_u, i), p) - half);
-    const Lanes v = hn::Abs(dot(part_of(row.share_v, i), p) - half);
-    const auto outside =
-        hn::Or(hn::Gt(u, broadcast(row.out_u[i])), hn::Gt(v, broadcast(row.out_v[i])));
+    const Lanes u = hn::Abs(dot(part_of(rectangles.share_u, i), p) - half);
+    const Lanes v = hn::Abs(dot(part_of(rectangles.share_v, i), p) - half);
+    const auto outside = hn::Or(hn::Gt(u, broadcast(rectangles.out_u[i])),
+                                hn::Gt(v, broadcast(rectangles.out_v[i])));
     const auto missed = hn::And(told, hn::Or(outside, elsewhere));
     const auto inside =
-        hn::And(hn::Lt(u, broadcast(row.in_u[i])), hn::Lt(v, broadcast(row.in_v[i])));
+        hn::And(hn::Lt(u, broadcast(rectangles.in_u[i])), hn::Lt(v, broadcast(rectangles.in_v[i])));
     const auto sure = hn::And(told, inside);
     in_doubt = hn::Or(in_doubt, hn::Not(hn::Or(missed, sure)));
     auto met = hn::AndNot(missed, sure);
@@ -152,12 +152,12 @@ HWY_INLINE LaneMask meet_rectangles(const InstanceSoA& few, uint32_t asked, cons
   return in_doubt;
 }
 /// Whether rectangles_met() would tell of each.
-HWY_INLINE LaneMask are_usual(const RectangleSoA& row, const Lanes3& origin,
+HWY_INLINE LaneMask are_usual(const RectangleSoA& rectangles, const Lanes3& origin,
                               const Lanes3& direction, double t_min) {
   const Lanes steep = sum(abs(direction));
   const auto is_steep = hn::And(hn::Ge(steep, broadcast(RectangleSoA::kLeastSteep)),
                                 hn::Le(steep, broadcast(RectangleSoA::kMostSteep)));
-  const double farthest = t_min >= 0 ? row.farthest : -1;
+  const double farthest = t_min >= 0 ? rectangles.farthest : -1;
   return hn::And(is_steep, hn::Le(sum(abs(origin)), broadcast(farthest)));
 }
 

@@ -13,7 +13,7 @@
 
 namespace tessera {
 
-/// A few instances, in rows.
+/// A few instances, by kind, as structures of arrays.
 struct InstanceSoA {
   RectangleSoA rectangles;
   std::array<uint32_t, RectangleSoA::kMost> rectangle_instances{};  ///< ascending
@@ -33,7 +33,7 @@ struct InstanceSoA {
   }
 };
 
-/// What each ray of a row meets first of a few planes, rectangles and spheres, or of those that
+/// What each ray of a batch meets first of a few planes, rectangles and spheres, or of those that
 /// cast shadows, and what else it may, by BvhKernels::intersect_batch.
 struct BatchHits {
   alignas(64) double t[RayBatch::kMost];         ///< infinite where nothing is met

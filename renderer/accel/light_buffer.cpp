@@ -18,12 +18,12 @@ double least_share(double part, double least_rest, double most_rest) {
 
 }  // namespace
 
-LightBuffer LightBuffer::of_place(const BoxSoA& row, const Point3& place) {
-  LightBuffer buffer(row);
+LightBuffer LightBuffer::of_place(const BoxSoA& boxes, const Point3& place) {
+  LightBuffer buffer(boxes);
   buffer.cells_.resize(6 * kSide * kSide);
-  for (uint32_t box = 0; row.all >> box != 0; ++box) {
-    const Vec3 low = place - Point3{row.max[0][box], row.max[1][box], row.max[2][box]};
-    const Vec3 high = place - Point3{row.min[0][box], row.min[1][box], row.min[2][box]};
+  for (uint32_t box = 0; boxes.all >> box != 0; ++box) {
+    const Vec3 low = place - Point3{boxes.max[0][box], boxes.max[1][box], boxes.max[2][box]};
+    const Vec3 high = place - Point3{boxes.min[0][box], boxes.min[1][box], boxes.min[2][box]};
     Range cells[3];
     for (int axis = 0; axis < 3; ++axis) {
       double least = 0, most = 0;  // of the squares of the other two parts
@@ -43,8 +43,8 @@ LightBuffer LightBuffer::of_place(const BoxSoA& row, const Point3& place) {
   return buffer;
 }
 
-LightBuffer LightBuffer::of_direction(const BoxSoA& row, const Vec3& direction) {
-  LightBuffer buffer(row);
+LightBuffer LightBuffer::of_direction(const BoxSoA& boxes, const Vec3& direction) {
+  LightBuffer buffer(boxes);
   buffer.is_place_ = false;
   buffer.cells_.resize(kSide * kSide);
   // Points go along the direction onto the plane across its largest part.
@@ -59,10 +59,10 @@ LightBuffer LightBuffer::of_direction(const BoxSoA& row, const Vec3& direction) 
   buffer.right_ = measure((ahead + 1) % 3);
   buffer.down_ = measure((ahead + 2) % 3);
   const auto shadow = [&](uint32_t box, const Vec3& along) {
-    const double slack = kSlack * row.farthest;
+    const double slack = kSlack * boxes.farthest;
     Range range{-slack, slack};
     for (int axis = 0; axis < 3; ++axis) {
-      const double a = row.min[axis][box] * along[axis], b = row.max[axis][box] * along[axis];
+      const double a = boxes.min[axis][box] * along[axis], b = boxes.max[axis][box] * along[axis];
       range.low += std::min(a, b);
       range.high += std::max(a, b);
     }
@@ -70,7 +70,7 @@ LightBuffer LightBuffer::of_direction(const BoxSoA& row, const Vec3& direction) 
   };
   const auto spread = [&](const Vec3& along, double& least, double& scale) {
     Range all{Bounds3::kInfinity, -Bounds3::kInfinity};
-    for (uint32_t box = 0; row.all >> box != 0; ++box) {
+    for (uint32_t box = 0; boxes.all >> box != 0; ++box) {
       const Range one = shadow(box, along);
       all = {std::min(all.low, one.low), std::max(all.high, one.high)};
     }
@@ -83,7 +83,7 @@ LightBuffer LightBuffer::of_direction(const BoxSoA& row, const Vec3& direction) 
   const auto cells = [](const Range& range, double least, double scale) {
     return Range{(range.low - least) * scale, (range.high - least) * scale};
   };
-  for (uint32_t box = 0; row.all >> box != 0; ++box)
+  for (uint32_t box = 0; boxes.all >> box != 0; ++box)
     buffer.add(box, 0, cells(shadow(box, buffer.right_), buffer.least_.x, buffer.scale_.x),
                cells(shadow(box, buffer.down_), buffer.least_.y, buffer.scale_.y));
   return buffer;

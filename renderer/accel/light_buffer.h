@@ -11,22 +11,22 @@
 
 namespace tessera {
 
-/// Which boxes of a row are in the way of a light: of those seen from it towards a point, found by
+/// Which of some boxes are in the way of a light: of those seen from it towards a point, found by
 /// a look-up in place of a test of each (Haines and Greenberg, The Light Buffer, 1986). Immutable;
 /// thread-safe.
 class LightBuffer {
  public:
   /// Of a light at `place`.
-  static LightBuffer of_place(const BoxSoA& row, const Point3& place);
+  static LightBuffer of_place(const BoxSoA& boxes, const Point3& place);
   /// Of a light that comes along `direction`, which is of unit length.
-  static LightBuffer of_direction(const BoxSoA& row, const Vec3& direction);
+  static LightBuffer of_direction(const BoxSoA& boxes, const Vec3& direction);
 
   /// Whether boxes_met() can answer for all rays that leave the surface there: they start no
   /// farther off than half of what boxes are grown by.
   /// Also a lane each in whitted_wavefront-inl.h, bit for bit.
-  static bool has_answers(const BoxSoA& row, const SurfaceInteraction& from) {
+  static bool has_answers(const BoxSoA& boxes, const SurfaceInteraction& from) {
     const double error = l1_norm(from.point_error + abs(from.smooth_shift));
-    return l1_norm(from.point - Point3{}) + kErrorShare * error <= row.farthest;
+    return l1_norm(from.point - Point3{}) + kErrorShare * error <= boxes.farthest;
   }
   /// Whether the light is at a place, so that a direction tells the boxes; else a point does.
   bool is_of_place() const { return is_place_; }
@@ -65,7 +65,7 @@ class LightBuffer {
     double low, high;
   };
 
-  explicit LightBuffer(const BoxSoA& row) : all_(row.all) {}
+  explicit LightBuffer(const BoxSoA& boxes) : all_(boxes.all) {}
 
   uint32_t met_towards(const Vec3& d) const {
     const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);

@@ -1,4 +1,4 @@
-// Part of bvh_kernels.cpp, compiled once for each instruction set: a ray against a row of planes.
+// Part of bvh_kernels.cpp, compiled once for each instruction set: a ray against planes.
 #if defined(TESSERA_PLANE_SOA_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_PLANE_SOA_INL_H
 #undef TESSERA_PLANE_SOA_INL_H
@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// BvhKernels::planes_met: Plane::intersect() line by line, and no product fused with a sum.
-uint32_t planes_met(const PlaneSoA& row, const Ray& ray, double limit, double* t) {
+uint32_t planes_met(const PlaneSoA& planes, const Ray& ray, double limit, double* t) {
   const hn::CappedTag<double, 4> tag;
   using FourLanes = hn::Vec<decltype(tag)>;
   const auto broadcast = [&](double value) HWY_ATTR { return hn::Set(tag, value); };
@@ -34,9 +34,11 @@ uint32_t planes_met(const PlaneSoA& row, const Ray& ray, double limit, double* t
                   most = broadcast(limit);
   const FourLanes rounding = broadcast(gamma(4)), zero = hn::Zero(tag);
   uint32_t met = 0, in_front = 0;
-  for (size_t i = 0; i < row.count; i += hn::MaxLanes(tag)) {
-    const FourLanes nx = hn::Load(tag, row.normal[0] + i), ny = hn::Load(tag, row.normal[1] + i),
-                    nz = hn::Load(tag, row.normal[2] + i), offset = hn::Load(tag, row.offset + i);
+  for (size_t i = 0; i < planes.count; i += hn::MaxLanes(tag)) {
+    const FourLanes nx = hn::Load(tag, planes.normal[0] + i),
+                    ny = hn::Load(tag, planes.normal[1] + i),
+                    nz = hn::Load(tag, planes.normal[2] + i),
+                    offset = hn::Load(tag, planes.offset + i);
     const auto sum = [](FourLanes a, FourLanes b, FourLanes c) HWY_ATTR { return a + b + c; };
     const FourLanes approach = sum(nx * dx, ny * dy, nz * dz);
     const FourLanes x = nx * ox, y = ny * oy, z = nz * oz;
@@ -48,7 +50,7 @@ uint32_t planes_met(const PlaneSoA& row, const Ray& ray, double limit, double* t
     met |= movemask(tag, hn::And(inside, hn::Gt(hn::Abs(height), error))) << i;
     in_front |= movemask(tag, hn::Lt(approach, zero)) << i;
   }
-  return met & ((in_front & row.from_front) | (~in_front & row.from_behind));
+  return met & ((in_front & planes.from_front) | (~in_front & planes.from_behind));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -43,7 +43,7 @@ struct RectangleSoA {
   double farthest = 0;   ///< of an origin, the parts added up: beyond it all are tested
 };
 
-/// What a ray may hit of a row, a bit each.
+/// Which rectangles a ray may hit, a bit each.
 struct RectanglesMet {
   uint32_t maybe = 0;   ///< all that the exact test could find
   uint32_t inside = 0;  ///< those that it finds if the ray crosses their plane within its stretch

@@ -34,16 +34,16 @@ class SlabLanes {
         offset_(origin * inverse_) {}
 
   /// Whose answers count; others may hit anything.
-  HWY_INLINE LaneMask are_usual(const BoxSoA& row) const {
+  HWY_INLINE LaneMask are_usual(const BoxSoA& boxes) const {
     // Of no boxes every answer is right, if the ray is one.
-    const double farthest = row.all == 0 ? std::numeric_limits<double>::max() : row.farthest;
+    const double farthest = boxes.all == 0 ? std::numeric_limits<double>::max() : boxes.farthest;
     const auto is_steep = hn::And(hn::Ge(steep_, broadcast(BoxSoA::kLeastSteep)),
                                   hn::Le(steep_, broadcast(BoxSoA::kMostSteep)));
     return hn::And(hn::Le(far_, broadcast(farthest)), is_steep);
   }
   /// Which of them may hit something in box `i` from `enter` to `leave`; raises `enter` to a lower
   /// bound of t there.
-  HWY_INLINE LaneMask entered(const BoxSoA& row, size_t i, Lanes& enter, Lanes leave) const {
+  HWY_INLINE LaneMask entered(const BoxSoA& boxes, size_t i, Lanes& enter, Lanes leave) const {
     const auto narrow = [&](const double* min, const double* max, Lanes inverse, Lanes offset)
                             HWY_ATTR {
                               const Lanes a = hn::MulSub(broadcast(min[i]), inverse, offset);
@@ -51,9 +51,9 @@ class SlabLanes {
                               enter = hn::Max(enter, hn::Min(a, b));
                               leave = hn::Min(leave, hn::Max(a, b));
                             };
-    narrow(row.min[0], row.max[0], inverse_.x, offset_.x);
-    narrow(row.min[1], row.max[1], inverse_.y, offset_.y);
-    narrow(row.min[2], row.max[2], inverse_.z, offset_.z);
+    narrow(boxes.min[0], boxes.max[0], inverse_.x, offset_.x);
+    narrow(boxes.min[1], boxes.max[1], inverse_.y, offset_.y);
+    narrow(boxes.min[2], boxes.max[2], inverse_.z, offset_.z);
     return hn::Le(enter, leave);
   }
 

@@ -17,11 +17,11 @@ namespace tessera {
 namespace HWY_NAMESPACE {
 
 /// Which of the rays meet the sphere that box `box` holds between `first` and `last`, and where.
-HWY_INLINE LaneMask meet_sphere(const SphereSoA& row, size_t box, const Lanes3& origin,
+HWY_INLINE LaneMask meet_sphere(const SphereSoA& spheres, size_t box, const Lanes3& origin,
                                 const Lanes3& direction, Lanes first, Lanes last, Lanes& t) {
-  const Lanes3 center{broadcast(row.center[0][box]), broadcast(row.center[1][box]),
-                      broadcast(row.center[2][box])};
-  const SphereLine line{origin - center, direction, broadcast(row.radius[box])};
+  const Lanes3 center{broadcast(spheres.center[0][box]), broadcast(spheres.center[1][box]),
+                      broadcast(spheres.center[2][box])};
+  const SphereLine line{origin - center, direction, broadcast(spheres.radius[box])};
   const Lanes zero = hn::Zero(kLaneTag);
   const LaneMask is_missed = line.surely_misses(first >= zero);
   if (hn::AllTrue(kLaneTag, is_missed)) return hn::Lt(zero, zero);
@@ -30,7 +30,7 @@ HWY_INLINE LaneMask meet_sphere(const SphereSoA& row, size_t box, const Lanes3& 
   const auto counts = [&](Lanes at)
                           HWY_ATTR { return hn::And(hn::Gt(at, first), hn::Lt(at, last)); };
   // Entering shows the front, leaving the back.
-  const Cull cull = row.cull[box];
+  const Cull cull = spheres.cull[box];
   const auto enters = cull == Cull::front ? hn::Lt(zero, zero) : counts(enter);
   const auto leaves = cull == Cull::back ? hn::Lt(zero, zero) : counts(leave);
   t = hn::IfThenElse(enters, enter, leave);

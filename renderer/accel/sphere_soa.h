@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// The spheres that boxes of a row hold, in world space, by the places of those boxes: so that many
+/// The spheres that boxes hold, in world space, by the places of those boxes: so that many
 /// rays can be held against each by the arithmetic of Sphere::intersect(), to its bits.
 struct SphereSoA {
   void set(size_t box, const Sphere& sphere, uint32_t number, Cull unseen, bool casts_shadow) {

@@ -24,9 +24,9 @@ static_assert(sizeof(Sampler::RasterSample) == 3 * sizeof(double));
 
 /// Camera::ray() through each, at most RayBatch::kMost.
 HWY_INLINE void set_rays(const Camera::Pinhole& camera,
-                         std::span<const Sampler::RasterSample> rasters, RayBatch& row) {
-  row.begin(camera.near_distance, camera.far_distance);
-  row.count = rasters.size();
+                         std::span<const Sampler::RasterSample> rasters, RayBatch& batch) {
+  batch.begin(camera.near_distance, camera.far_distance);
+  batch.count = rasters.size();
   const Lanes3 eye = broadcast(camera.eye), view = broadcast(camera.view);
   const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
   const auto place = [](Lanes at, double offset, double scale)
@@ -37,19 +37,19 @@ HWY_INLINE void set_rays(const Camera::Pinhole& camera,
     const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
     const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
     const Lanes3 right = broadcast(camera.right) * u, up = broadcast(camera.up) * v;
-    store(normalize(view + right + up), i, row.direction);
-    store(eye, i, row.origin);
+    store(normalize(view + right + up), i, batch.direction);
+    store(eye, i, batch.origin);
   }
 }
 /// Of rays that begin at the same t.
-HWY_INLINE void set_rays(std::span<const Ray> rays, RayBatch& row) {
-  row.begin(rays[0].t_min);
-  row.count = rays.size();
+HWY_INLINE void set_rays(std::span<const Ray> rays, RayBatch& batch) {
+  batch.begin(rays[0].t_min);
+  batch.count = rays.size();
   for (size_t i = 0; i < rays.size(); ++i) {
-    row.t_max[i] = rays[i].t_max;
+    batch.t_max[i] = rays[i].t_max;
     for (int axis = 0; axis < 3; ++axis) {
-      row.origin[axis][i] = rays[i].origin[axis];
-      row.direction[axis][i] = rays[i].direction[axis];
+      batch.origin[axis][i] = rays[i].origin[axis];
+      batch.direction[axis][i] = rays[i].direction[axis];
     }
   }
 }

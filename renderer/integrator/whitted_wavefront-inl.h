@@ -333,7 +333,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
         if (light_up(bundles[i], material, rays.light, sampled) && has_shadows())
           ask_what_is_in_the_way(bundles[i], sampled, i, rays);
       }
-      if (rays.row.count > 0) trace(rays, bundles);
+      if (rays.batch.count > 0) trace(rays, bundles);
       for (HitBundle& bundle : bundles) {
         if (bundle.lit == 0) continue;
         if (bundle.shaded != 0) {
@@ -401,10 +401,10 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
   struct ShadowRays {
     const Light& light;
     uint32_t index;
-    RayBatch row;
+    RayBatch batch;
     uint8_t bundle[RayBatch::kMost], lane[RayBatch::kMost];
 
-    ShadowRays(const Light& of, uint32_t number) : light(of), index(number) { row.begin(); }
+    ShadowRays(const Light& of, uint32_t number) : light(of), index(number) { batch.begin(); }
   };
 
   /// LightBuffer::has_answers().
@@ -421,7 +421,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
   uint32_t shaded_at_once(const Lanes3& origin, const Lanes3& way, Lanes last, uint32_t bits,
                           uint32_t* boxes) const {
     const FewInstances& few = *scene_.occluders.few;
-    const InstanceSoA& rows = few.rows();
+    const InstanceSoA& soa = few.soa();
     const SlabLanes slabs(origin, way);
     bits &= movemask(slabs.are_usual(few.boxes()));
     uint32_t some = 0, shaded = 0;
@@ -432,15 +432,15 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
       const Lanes first = hn::Zero(kLaneTag);
       Lanes enter = first, t = first;
       uint32_t in = movemask(slabs.entered(few.boxes(), box, enter, last)) & bits;
-      if (((rows.spheres.boxes | rows.carved_boxes) & bit) != 0 && in != 0) {
+      if (((soa.spheres.boxes | soa.carved_boxes) & bit) != 0 && in != 0) {
         state_.counters.traversal.primitive_tests += static_cast<uint64_t>(std::popcount(in));
         uint32_t in_doubt = 0;
-        if ((rows.carved_boxes & bit) != 0) {
-          const CarvedBoxMet met = meet_carved_box(rows.carved[box], origin, way, last);
+        if ((soa.carved_boxes & bit) != 0) {
+          const CarvedBoxMet met = meet_carved_box(soa.carved[box], origin, way, last);
           shaded |= in & movemask(met.hit);
           in_doubt = in & ~movemask(hn::Or(met.hit, met.missed));
-        } else if ((rows.spheres.shading & bit) != 0) {
-          shaded |= in & movemask(meet_sphere(rows.spheres, box, origin, way, first, last, t));
+        } else if ((soa.spheres.shading & bit) != 0) {
+          shaded |= in & movemask(meet_sphere(soa.spheres, box, origin, way, first, last, t));
         }
         in = in_doubt;
       }
@@ -488,12 +488,12 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     }
     if (asked == 0) return;
     if (surfaces_.batches_shadows()) {
-      append(last, asked, rays.row.t_max + rays.row.count);
-      append(origins, asked, rays.row.count, rays.row.origin);
-      append(ways, asked, rays.row.count, rays.row.direction);
+      append(last, asked, rays.batch.t_max + rays.batch.count);
+      append(origins, asked, rays.batch.count, rays.batch.origin);
+      append(ways, asked, rays.batch.count, rays.batch.direction);
       while (asked != 0) {
-        rays.bundle[rays.row.count] = static_cast<uint8_t>(number);
-        rays.lane[rays.row.count++] = static_cast<uint8_t>(take_lowest_lane(asked));
+        rays.bundle[rays.batch.count] = static_cast<uint8_t>(number);
+        rays.lane[rays.batch.count++] = static_cast<uint8_t>(take_lowest_lane(asked));
       }
       return;
     }
@@ -512,7 +512,7 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
   }
   void trace(const ShadowRays& rays, Bundles bundles) {
     const Accelerator& opaque = *scene_.occluders.opaque;
-    for (uint64_t hit = opaque.any_hits(rays.row, state_.counters.traversal); hit != 0;
+    for (uint64_t hit = opaque.any_hits(rays.batch, state_.counters.traversal); hit != 0;
          hit &= hit - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(hit));
       bundles[rays.bundle[i]].shaded |= 1u << rays.lane[i];

@@ -96,25 +96,25 @@ struct Compared {
 
 /// Expects the same of rows in which the ray is among others.
 void expect_row_as_scan(const InstanceLinearScan& scan, const FewInstances& few, const Ray& ray) {
-  RayBatch row;
-  row.begin(ray.t_min, ray.t_max);
+  RayBatch batch;
+  batch.begin(ray.t_min, ray.t_max);
   for (int i = 0; i < 9; ++i) {
     const Vec3 way = i % 2 == 0 ? ray.direction : -ray.direction;
     for (int axis = 0; axis < 3; ++axis) {
-      row.origin[axis][row.count] = ray.origin[axis];
-      row.direction[axis][row.count] = axis == i % 3 && i > 2 ? way[axis] * 2 : way[axis];
+      batch.origin[axis][batch.count] = ray.origin[axis];
+      batch.direction[axis][batch.count] = axis == i % 3 && i > 2 ? way[axis] * 2 : way[axis];
     }
-    ++row.count;
+    ++batch.count;
   }
-  std::vector<Hit> hits(row.count);
+  std::vector<Hit> hits(batch.count);
   TraversalCounters counters;
-  few.closest_hits(row, hits, counters);
-  const uint64_t stopped = few.any_hits(row, counters);
-  for (size_t i = 0; i < row.count; ++i) {
+  few.closest_hits(batch, hits, counters);
+  const uint64_t stopped = few.any_hits(batch, counters);
+  for (size_t i = 0; i < batch.count; ++i) {
     Hit expected;
-    scan.closest_hit(row.ray(i), expected, counters);
+    scan.closest_hit(batch.ray(i), expected, counters);
     EXPECT_EQ(hits[i], expected) << i;
-    EXPECT_EQ(stopped >> i & 1, scan.any_hit(row.ray(i), counters)) << i;
+    EXPECT_EQ(stopped >> i & 1, scan.any_hit(batch.ray(i), counters)) << i;
   }
 }
 
@@ -186,7 +186,7 @@ TEST(FewInstances, PlanesAtOnceAreHitAsOneByOne) {
     UniformNumbers random(seed);
     const auto between = [&](double a, double b) { return random.between(a, b); };
     const double size = std::exp2(between(-20, 20));
-    // More than fit into a row, too.
+    // More than fit into a batch, too.
     const auto instances = planes_and_balls(random, 4 + static_cast<int>(seed % 20), size);
     const InstanceLinearScan scan(instances);
     std::vector<FewInstances> few;

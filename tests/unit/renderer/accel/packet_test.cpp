@@ -145,39 +145,39 @@ TEST(Packets, MeetInstancesAsSingleRaysDo) {
     const std::vector<Instance> instances = many_instances(random, 1 + random() % 40);
     const InstanceLinearScan reference(instances);
     const double spread = std::pow(10.0, -1.0 - round % 4);
-    RayBatch row;
-    row.begin(round % 3 == 0 ? .5 : 0, round % 5 == 0 ? 4 : Bounds3::kInfinity);
+    RayBatch batch;
+    batch.begin(round % 3 == 0 ? .5 : 0, round % 5 == 0 ? 4 : Bounds3::kInfinity);
     const Vec3 from = vec() * 3, to = vec() * .5;
     const size_t count = 1 + random() % RayBatch::kMost;
-    for (; row.count < count; ++row.count) {
+    for (; batch.count < count; ++batch.count) {
       const Vec3 origin = from + vec() * (spread * .1), way = to - from + vec() * spread;
       for (int axis = 0; axis < 3; ++axis) {
-        row.origin[axis][row.count] = origin[axis];
-        row.direction[axis][row.count] = way[axis];
+        batch.origin[axis][batch.count] = origin[axis];
+        batch.direction[axis][batch.count] = way[axis];
       }
     }
     std::vector<Hit> expected(count);
     uint64_t expected_stopped = 0;
     TraversalCounters counters;
     for (size_t i = 0; i < count; ++i) {
-      reference.closest_hit(row.ray(i), expected[i], counters);
+      reference.closest_hit(batch.ray(i), expected[i], counters);
       hits += expected[i].t < Bounds3::kInfinity;
-      expected_stopped |= uint64_t{reference.any_hit(row.ray(i), counters)} << i;
+      expected_stopped |= uint64_t{reference.any_hit(batch.ray(i), counters)} << i;
     }
     stopped += static_cast<size_t>(std::popcount(expected_stopped));
     for (const BvhKernels& code : all_kernels()) {
       SCOPED_TRACE(fmt::format("round {}, {}", round, code.name));
       const auto accelerator = make_instance_accelerator(instances, AcceleratorKind::bvh, 1, code);
       std::vector<Hit> found(count);
-      accelerator->closest_hits(row, found, counters);
+      accelerator->closest_hits(batch, found, counters);
       EXPECT_EQ(found, expected);
-      EXPECT_EQ(accelerator->any_hits(row, counters), expected_stopped);
+      EXPECT_EQ(accelerator->any_hits(batch, counters), expected_stopped);
       of_many += dynamic_cast<const InstanceBvh*>(accelerator.get()) != nullptr;
     }
     std::vector<Hit> found(count);
-    reference.closest_hits(row, found, counters);
+    reference.closest_hits(batch, found, counters);
     EXPECT_EQ(found, expected);
-    EXPECT_EQ(reference.any_hits(row, counters), expected_stopped);
+    EXPECT_EQ(reference.any_hits(batch, counters), expected_stopped);
   }
   EXPECT_GT(hits, 2000u);
   EXPECT_GT(stopped, 1500u);
