@@ -74,18 +74,16 @@ Vec2 window_center(const CameraSettings& settings, const HalfSize& half) {
 }  // namespace
 
 Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height)
-    : projection_(settings.projection),
-      near_(settings.near_distance),
-      far_(settings.far_distance),
-      lens_(settings.lens) {
+    : projection_(settings.projection), lens_(settings.lens) {
+  frame_.near_distance = settings.near_distance, frame_.far_distance = settings.far_distance;
   const Affine& m = settings.world_from_camera;
   const auto column = [&](size_t c) { return Vec3{m.m[0][c], m.m[1][c], m.m[2][c]}; };
-  eye_ = Point3{} + column(3);
-  view_ = -normalize(column(2));
+  frame_.eye = Point3{} + column(3);
+  frame_.view = -normalize(column(2));
   const Vec3 up = normalize(column(1));
-  up_ = normalize(up - view_ * dot(up, view_));
-  right_ = cross(view_, up_);
-  if (dot(right_, column(0)) < 0) right_ = -right_;
+  frame_.up = normalize(up - frame_.view * dot(up, frame_.view));
+  frame_.right = cross(frame_.view, frame_.up);
+  if (dot(frame_.right, column(0)) < 0) frame_.right = -frame_.right;
 
   const double width = frame_width, height = frame_height;
   if (lens_.radius_over_frame) {
@@ -114,23 +112,24 @@ Camera::Camera(const CameraSettings& settings, int frame_width, int frame_height
       half.x = settings.field_of_view / 2 * width / height;
       break;
   }
-  scale_ = {2 * half.x / width, -2 * half.y / height};
-  offset_ = {center.x - half.x, center.y + half.y};
+  frame_.scale = {2 * half.x / width, -2 * half.y / height};
+  frame_.offset = {center.x - half.x, center.y + half.y};
 }
 
 Ray Camera::lens_ray(double x, double y, const Vec2& u) const {
   Ray ray = this->ray(x, y);
   const Vec2 p = sample_lens(lens_.shape, lens_.blades, u);
-  const Vec3 on_lens = right_ * (p.x * lens_.radius.x) + up_ * (p.y * lens_.radius.y);
-  const double to_focus =
-      lens_.focal_sphere ? lens_.focal_distance : lens_.focal_distance / dot(ray.direction, view_);
+  const Vec3 on_lens = frame_.right * (p.x * lens_.radius.x) + frame_.up * (p.y * lens_.radius.y);
+  const double to_focus = lens_.focal_sphere
+                              ? lens_.focal_distance
+                              : lens_.focal_distance / dot(ray.direction, frame_.view);
   ray.direction = normalize(ray.direction * to_focus - on_lens);
   ray.origin = ray.origin + on_lens;
   return ray;
 }
 
 Camera::PixelCone Camera::pixel_cone() const {
-  const double side = std::sqrt(std::abs(scale_.x * scale_.y));
+  const double side = std::sqrt(std::abs(frame_.scale.x * frame_.scale.y));
   if (projection_ == Projection::orthographic) return {side, 0};
   return {0, side};
 }
@@ -179,38 +178,40 @@ CameraSettings framed_view(const CameraSettings& settings, int frame_width, int 
 }
 
 std::optional<Vec2> Camera::raster_of(const Point3& p) const {
-  const Vec3 offset = p - eye_;
-  double u = dot(offset, right_), v = dot(offset, up_);
+  const Vec3 offset = p - frame_.eye;
+  double u = dot(offset, frame_.right), v = dot(offset, frame_.up);
   if (projection_ == Projection::perspective) {
     constexpr double kClearlyBefore = 1e-6;  // as a share of the distance
-    const double depth = dot(offset, view_);
+    const double depth = dot(offset, frame_.view);
     if (!(depth > kClearlyBefore * length(offset))) return std::nullopt;
     u /= depth;
     v /= depth;
   } else if (projection_ != Projection::orthographic) {
     return std::nullopt;
   }
-  return Vec2{(u - offset_.x) / scale_.x, (v - offset_.y) / scale_.y};
+  return Vec2{(u - frame_.offset.x) / frame_.scale.x, (v - frame_.offset.y) / frame_.scale.y};
 }
 
 Ray Camera::other_ray(double x, double y) const {
-  const double u = offset_.x + x * scale_.x;
-  const double v = offset_.y + y * scale_.y;
-  Ray ray{eye_, view_, near_, far_};
+  const double u = frame_.offset.x + x * frame_.scale.x;
+  const double v = frame_.offset.y + y * frame_.scale.y;
+  Ray ray{frame_.eye, frame_.view, frame_.near_distance, frame_.far_distance};
   switch (projection_) {
     case Projection::perspective:
       break;
     case Projection::orthographic:
-      ray.origin = eye_ + right_ * u + up_ * v;
+      ray.origin = frame_.eye + frame_.right * u + frame_.up * v;
       break;
     case Projection::spherical: {
       const double cos_v = portable::cos(v);
-      ray.direction = normalize(view_ * (portable::cos(u) * cos_v) +
-                                right_ * (portable::sin(u) * cos_v) + up_ * portable::sin(v));
+      ray.direction =
+          normalize(frame_.view * (portable::cos(u) * cos_v) +
+                    frame_.right * (portable::sin(u) * cos_v) + frame_.up * portable::sin(v));
       break;
     }
     case Projection::cylindrical:
-      ray.direction = normalize(view_ * portable::cos(u) + right_ * portable::sin(u) + up_ * v);
+      ray.direction = normalize(frame_.view * portable::cos(u) + frame_.right * portable::sin(u) +
+                                frame_.up * v);
       break;
   }
   return ray;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "renderer/camera/lens.h"
+#include "renderer/math/numbers.h"
 #include "renderer/math/transform.h"
 #include "renderer/math/vec.h"
 #include "renderer/shapes/ray.h"
@@ -38,6 +39,17 @@ struct CameraSettings {
 CameraSettings framed_view(const CameraSettings& settings, int frame_width, int frame_height,
                            std::span<const Point3> points);
 
+/// The view of a camera whose rays leave one point: through the raster point (x, y) along view +
+/// right * u + up * v, (u, v) being offset + (x, y) * scale.
+struct Pinhole {
+  Point3 eye;
+  Vec3 view, right, up;  ///< unit and square to each other
+  Vec2 offset, scale;
+  double near_distance = 0, far_distance = 0;  ///< metres along the ray
+};
+
+#include "renderer/camera/pinhole-inl.h"
+
 /// From raster points of a whole frame to rays. A crop is a part of the same frame, so
 /// its rays have the same bits. Immutable; thread-safe.
 class Camera {
@@ -46,25 +58,13 @@ class Camera {
 
   /// The ray of a pinhole through raster point (x, y), y downwards from the frame's top left
   /// corner. Its direction is of unit length.
-  /// Also a lane each in lane_camera-inl.h, bit for bit.
   Ray ray(double x, double y) const {
     if (projection_ != Projection::perspective) return other_ray(x, y);
-    const double u = offset_.x + x * scale_.x;
-    const double v = offset_.y + y * scale_.y;
-    return {eye_, normalize(view_ + right_ * u + up_ * v), near_, far_};
+    return {frame_.eye, pinhole_direction(frame_, x, y), frame_.near_distance, frame_.far_distance};
   }
-  /// What ray() of the perspective projection is worked out of: view + right * u + up * v, (u, v)
-  /// being offset + (x, y) * scale, made of unit length.
-  struct Pinhole {
-    Point3 eye;
-    Vec3 view, right, up;
-    Vec2 offset, scale;
-    double near_distance = 0, far_distance = 0;
-  };
-  /// Nothing for other projections.
-  std::optional<Pinhole> pinhole() const {
-    if (projection_ != Projection::perspective) return std::nullopt;
-    return Pinhole{eye_, view_, right_, up_, offset_, scale_, near_, far_};
+  /// Null for other projections than the perspective one; lives as long as this.
+  const Pinhole* pinhole() const {
+    return projection_ == Projection::perspective ? &frame_ : nullptr;
   }
   /// The ray through the point of the lens that the uniform numbers `u` choose.
   Ray lens_ray(double x, double y, const Vec2& u) const;
@@ -82,24 +82,21 @@ class Camera {
   };
   PixelCone pixel_cone() const;
 
-  const Vec3& right() const { return right_; }
-  const Vec3& up() const { return up_; }
-  const Point3& position() const { return eye_; }
+  const Vec3& right() const { return frame_.right; }
+  const Vec3& up() const { return frame_.up; }
+  const Point3& position() const { return frame_.eye; }
   /// Metres along a ray at which it ends; infinite: nowhere.
-  double far_distance() const { return far_; }
+  double far_distance() const { return frame_.far_distance; }
   /// Unit; the way that the camera looks.
-  const Vec3& view() const { return view_; }
+  const Vec3& view() const { return frame_.view; }
 
  private:
   /// ray() of any projection but the perspective one.
   Ray other_ray(double x, double y) const;
 
   Projection projection_;
-  Point3 eye_;
-  Vec3 view_, right_, up_;  ///< unit and square to each other
-  /// A raster point's place on the image plane, or its angles, is offset + raster * scale.
-  Vec2 offset_, scale_;
-  double near_, far_;
+  /// Its offset + (x, y) * scale are a place on the image plane, or in panoramas angles.
+  Pinhole frame_;
   LensSettings lens_;  ///< its radius in metres
 };
 

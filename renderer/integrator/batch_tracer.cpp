@@ -25,8 +25,7 @@ void BatchTracer::radiances(std::span<const Ray> rays, std::span<const SampleKey
   follow(rays, keys, found, state);
 }
 
-void BatchTracer::radiances(const Camera::Pinhole& camera,
-                            std::span<const Sampler::RasterSample> rasters,
+void BatchTracer::radiances(const Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
                             std::span<const SampleKey> keys, std::span<Color> found,
                             TraceState& state) const {
   check_sizes(rasters.size(), keys.size(), found.size());

@@ -26,7 +26,7 @@ class BatchTracer {
   void radiances(std::span<const Ray> rays, std::span<const SampleKey> keys, std::span<Color> found,
                  TraceState& state) const;
   /// The same of a pinhole's rays through raster points.
-  void radiances(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+  void radiances(const Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
                  std::span<const SampleKey> keys, std::span<Color> found, TraceState& state) const;
 
  protected:
@@ -35,7 +35,7 @@ class BatchTracer {
  private:
   virtual void follow(std::span<const Ray> rays, std::span<const SampleKey> keys,
                       std::span<Color> found, TraceState& state) const = 0;
-  virtual void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+  virtual void follow(const Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
                       std::span<const SampleKey> keys, std::span<Color> found,
                       TraceState& state) const = 0;
 };

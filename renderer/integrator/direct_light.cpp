@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/integrator/light_sampling.h"
 #include "renderer/shading/local_share.h"
 
 namespace tessera {
@@ -138,12 +139,10 @@ template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const SurfaceSample& there, double width,
                        TraceState& state) {
-  // The stretch ends before the light's own surface, as it begins after that of the point.
   const Vec3 back = point.surface.point - there.point;
-  const Vec3 side = dot(back, there.normal) < 0 ? -there.normal : there.normal;
-  const double lift = dot(abs(side), there.point_error) + kLiftRoundings * l1_norm(back);
+  const Vec3 end = end_before(to_vec(there.point), there.point_error, there.normal, back);
   Ray ray = origins.spawn(-back);
-  ray.direction = there.point + side * lift - ray.origin;
+  ray.direction = to_point(end) - ray.origin;
   ray.t_max = 1;
   return ray_visibility<kRich>(scene, point, ray, media, width, state);
 }

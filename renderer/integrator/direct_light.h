@@ -18,11 +18,7 @@ template <bool kRich>
 Color light_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const Light& light, const LightSample& sample,
                        double width, TraceState& state);
-/// Of the length of a stretch to a point of a surface, how much before that surface it ends, beside
-/// the point's own error: what rounding makes of the stretch.
-inline constexpr double kLiftRoundings = 0x1p-48;
 /// The share of light from a point of a surface that arrives. What refracts lets nothing through.
-/// Also a lane each, of LambertBsdf, in path_wavefront_lights-inl.h, bit for bit.
 template <bool kRich>
 Color point_visibility(const Scene& scene, const SurfacePoint& point, RayOrigins& origins,
                        const Media& media, const SurfaceSample& there, double width,

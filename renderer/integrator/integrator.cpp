@@ -75,7 +75,7 @@ void Integrator::radiances(const Camera& camera, std::span<const Sampler::Raster
                            std::span<const SampleKey> keys, std::span<Color> found,
                            TraceState& state) const {
   const BatchTracer* const batches = this->batches();
-  const auto pinhole = camera.pinhole();
+  const Pinhole* const pinhole = camera.pinhole();
   if (batches && pinhole) return batches->radiances(*pinhole, rasters, keys, found, state);
   TESSERA_CHECK(rasters.size() <= RayBatch::kMost, fmt::format("{} rays", rasters.size()));
   Uninitialized<Ray, RayBatch::kMost> rays;

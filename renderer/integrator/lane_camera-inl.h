@@ -20,24 +20,22 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
+#include "renderer/camera/pinhole-inl.h"
+
 static_assert(sizeof(Sampler::RasterSample) == 3 * sizeof(double));
 
 /// Camera::ray() through each, at most RayBatch::kMost.
-HWY_INLINE void set_rays(const Camera::Pinhole& camera,
-                         std::span<const Sampler::RasterSample> rasters, RayBatch& batch) {
+HWY_INLINE void set_rays(const Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+                         RayBatch& batch) {
   batch.begin(camera.near_distance, camera.far_distance);
   batch.count = rasters.size();
-  const Lanes3 eye = broadcast(camera.eye), view = broadcast(camera.view);
+  const Lanes3 eye = broadcast(camera.eye);
   const LaneIndices last = hn::Set(kIndexTag, static_cast<int64_t>(rasters.size() - 1));
-  const auto place = [](Lanes at, double offset, double scale)
-                         HWY_ATTR { return broadcast(offset) + at * broadcast(scale); };
   for (size_t i = 0; i < rasters.size(); i += kLanes) {
     const LaneIndices number = hn::Min(hn::Iota(kIndexTag, static_cast<int64_t>(i)), last);
     const LaneIndices at = hn::ShiftLeft<1>(number) + number;
-    const Lanes u = place(gather(&rasters[0].point.x, at), camera.offset.x, camera.scale.x);
-    const Lanes v = place(gather(&rasters[0].point.y, at), camera.offset.y, camera.scale.y);
-    const Lanes3 right = broadcast(camera.right) * u, up = broadcast(camera.up) * v;
-    store(normalize(view + right + up), i, batch.direction);
+    const Lanes x = gather(&rasters[0].point.x, at), y = gather(&rasters[0].point.y, at);
+    store(pinhole_direction(camera, x, y), i, batch.direction);
     store(eye, i, batch.origin);
   }
 }

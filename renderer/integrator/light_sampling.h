@@ -34,11 +34,10 @@ inline double light_density(const Scene& scene, const SurfacePoint& point, uint3
          of.sampler->density(from, point.surface.point, point.geometric_normal, primitive);
 }
 
-/// The weight of a sample of density `own` among those of two ways to sample (Veach 1997, 9.2.4).
-/// Also a lane each in path_wavefront_lights-inl.h, bit for bit.
-inline double power_heuristic(double own, double other) {
-  const double ratio = other / own;
-  return 1 / (1 + ratio * ratio);
-}
+/// Of the length of a stretch to a point of a surface, how much before that surface it ends, beside
+/// the point's own error: what rounding makes of the stretch.
+inline constexpr double kLiftRoundings = 0x1p-48;
+
+#include "renderer/integrator/light_sampling-inl.h"
 
 }  // namespace tessera

@@ -28,11 +28,7 @@ HWY_BEFORE_NAMESPACE();
 namespace tessera {
 namespace HWY_NAMESPACE {
 
-/// power_heuristic()
-HWY_INLINE Lanes power_heuristic(Lanes own, Lanes other) {
-  const Lanes ratio = other / own;
-  return broadcast(1) / (broadcast(1) + ratio * ratio);
-}
+#include "renderer/integrator/light_sampling-inl.h"
 
 /// Light of points of area lights, to what a front's paths meet.
 class PathWavefrontLights {
@@ -95,14 +91,9 @@ class PathWavefrontLights {
     const uint32_t asked = chosen & ~movemask(is_dark);
     state_.counters.shadow_rays_skipped += static_cast<uint64_t>(std::popcount(chosen & ~asked));
     state_.counters.rays_shadow += static_cast<uint64_t>(std::popcount(asked));
-    // As point_visibility() does: the stretch ends before the light's own surface.
     const Lanes3 back = here.point - place;
-    const auto behind = hn::Lt(dot(back, normal), zero);
-    const Lanes3 side = select(behind, -normal, normal);
-    const Lanes lift =
-        dot(abs(side), load(points_.error, at)) + broadcast(kLiftRoundings) * sum(abs(back));
     const Lanes3 origin = origin_towards(here, -back);
-    const Lanes3 stretch = place + side * lift - origin;
+    const Lanes3 stretch = end_before(place, load(points_.error, at), normal, back) - origin;
     const Lanes3 light = select(is_dark, none, emitted * value.f_cosine);
     const Lanes weight =
         hn::IfThenZeroElse(is_dark, power_heuristic(density, value.density) / density);

@@ -155,7 +155,7 @@ class BatchTracerOf final : public BatchTracer {
     follower.follow(keys);
   }
   /// Camera::ray() through each.
-  void follow(const Camera::Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
+  void follow(const Pinhole& camera, std::span<const Sampler::RasterSample> rasters,
               std::span<const SampleKey> keys, std::span<Color> found,
               TraceState& state) const override {
     Follower follower(surfaces_, found, state);

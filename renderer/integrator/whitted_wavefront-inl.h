@@ -366,31 +366,19 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     return bundle.lit != 0;
   }
 
-  /// tessera::reflected_share(); right in the lanes that are lit.
+  /// tessera::reflected_share() in the lanes that are lit: of all at once where it is the cosine.
   static Lanes3 reflected_share(const HitBundle& bundle, const Material& material,
                                 const Lanes3& wi) {
-    const Lanes n_dot_l = dot(bundle.normal, wi), zero = hn::Zero(kLaneTag);
-    Lanes factor = n_dot_l;
-    if (material.diffuse_model == DiffuseModel::lambert) {
-      factor = maximum(n_dot_l, zero);
-    } else if (material.diffuse_model == DiffuseModel::half_lambert) {
-      alignas(64) double cosines[kLanes];
-      hn::Store(n_dot_l, kLaneTag, cosines);
-      for (uint32_t left = bundle.lit; left != 0;) {
-        const size_t lane = take_lowest_lane(left);
-        cosines[lane] = half_lambert(cosines[lane], material.diffuse_exponent);
-      }
-      factor = hn::Load(kLaneTag, cosines);
-    }
-    const Lanes3 share = bundle.diffuse * factor;
-    if (tessera::is_black(material.specular)) return share;
-    const Stored3 normals(bundle.normal), lights(wi), ways(-bundle.direction);
-    Stored3 shares(share);
-    for (uint32_t left = bundle.lit & movemask(hn::Gt(n_dot_l, zero)); left != 0;) {
+    if (material.diffuse_model == DiffuseModel::lambert && tessera::is_black(material.specular))
+      return bundle.diffuse * maximum(dot(bundle.normal, wi), num(0));
+    const Stored3 diffuse(bundle.diffuse), normals(bundle.normal), lights(wi),
+        ways(-bundle.direction);
+    Stored3 shares(num_color(0));
+    for (uint32_t left = bundle.lit; left != 0;) {
       const size_t lane = take_lowest_lane(left);
-      Color sum = shares.color(lane);
-      sum += highlight(material, normals.vec(lane), lights.vec(lane), ways.vec(lane));
-      shares.put(lane, {sum.r, sum.g, sum.b});
+      const Color share = tessera::reflected_share(material, diffuse.color(lane), normals.vec(lane),
+                                                   lights.vec(lane), ways.vec(lane));
+      shares.put(lane, {share.r, share.g, share.b});
     }
     return shares.load();
   }

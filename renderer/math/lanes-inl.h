@@ -52,6 +52,7 @@ using NumMask = LaneMask;
 
 HWY_INLINE Num num(double value) { return hn::Set(kLaneTag, value); }
 HWY_INLINE NumColor num_color(double grey) { return {num(grey), num(grey), num(grey)}; }
+HWY_INLINE Num3 num3(double x, double y, double z) { return {num(x), num(y), num(z)}; }
 HWY_INLINE Num negated(Num x) { return hn::Neg(x); }
 HWY_INLINE Num absolute(Num x) { return hn::Abs(x); }
 HWY_INLINE Num floor_of(Num x) { return hn::Floor(x); }
@@ -65,9 +66,7 @@ HWY_INLINE NumMask and_not(NumMask a, NumMask b) { return hn::AndNot(b, a); }
 HWY_INLINE Num select(NumMask mask, Num yes, Num no) { return hn::IfThenElse(mask, yes, no); }
 
 HWY_INLINE Lanes broadcast(double value) { return num(value); }
-HWY_INLINE Lanes3 broadcast(const Vec3& v) {
-  return {broadcast(v.x), broadcast(v.y), broadcast(v.z)};
-}
+HWY_INLINE Lanes3 broadcast(const Vec3& v) { return num3(v.x, v.y, v.z); }
 HWY_INLINE Lanes3 broadcast(const Point3& p) {
   return {broadcast(p.x), broadcast(p.y), broadcast(p.z)};
 }

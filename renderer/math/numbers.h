@@ -21,6 +21,7 @@ using NumMask = bool;  ///< what a comparison gives
 
 inline Num num(double value) { return value; }
 inline NumColor num_color(double grey) { return {grey, grey, grey}; }
+inline Num3 num3(double x, double y, double z) { return {x, y, z}; }
 inline Num negated(Num x) { return -x; }
 inline Num absolute(Num x) { return std::abs(x); }
 inline Num floor_of(Num x) { return std::floor(x); }

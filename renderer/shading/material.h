@@ -136,7 +136,6 @@ Color highlight(const Material& material, const Vec3& n, const Vec3& wi, const V
 /// The share of a light's radiant intensity that leaves towards `wo`: diffuse and specular term.
 /// `diffuse` is the material's, after vertex colours; `n`, `wi` (to the light) and `wo` (to the
 /// viewer) are of unit length. The specular term is zero where the light is behind the surface.
-/// Also a lane each in whitted_wavefront-inl.h, bit for bit.
 [[gnu::always_inline]] inline Color reflected_share(const Material& material, const Color& diffuse,
                                                     const Vec3& n, const Vec3& wi, const Vec3& wo) {
   const double n_dot_l = dot(n, wi);

@@ -1,5 +1,4 @@
-// Compiled once for each instruction set: triangle_surface() at many hits of one mesh, a lane each,
-// to the last bit.
+// Compiled once for each instruction set: triangle_surface() at many hits of one mesh, a lane each.
 #if defined(TESSERA_LANE_TRIANGLE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TESSERA_LANE_TRIANGLE_INL_H
 #undef TESSERA_LANE_TRIANGLE_INL_H
@@ -52,22 +51,18 @@ HWY_INLINE LaneSurface surface_of(const TriangleMesh& mesh, const uint32_t* tria
                                   Lanes v, uint32_t& bad) {
   const TriangleLanes lanes(mesh, triangles);
   const Lanes zero = hn::Zero(kLaneTag);
-  const Lanes weight[3] = {broadcast(1) - u - v, u, v};
+  const Lanes3 weights{broadcast(1) - u - v, u, v};
   Lanes3 corner[3];
   LaneSurface s;
   for (size_t k = 0; k < 3; ++k) corner[k] = lanes.of(mesh.positions, k);
-  place_on_triangle(corner, {weight[0], weight[1], weight[2]}, s.point, s.error);
+  place_on_triangle(corner, weights, s.point, s.error);
   const Lanes3 n = accurate_cross(corner[1] - corner[0], corner[2] - corner[0]);
   bad = movemask(hn::Not(hn::Gt(max_component(abs(n)), zero)));
   s.front = s.shading = normalize(n);
   if (mesh.normals.empty()) return s;
-  const Lanes3 smooth = lanes.of(mesh.normals, 0) * weight[0] +
-                        lanes.of(mesh.normals, 1) * weight[1] +
-                        lanes.of(mesh.normals, 2) * weight[2];
-  const Lanes squared = dot(smooth, smooth);
-  const auto is_finite = hn::Eq(sum(smooth) * zero, zero);
-  const auto is_smooth = hn::And(is_finite, hn::Gt(squared, zero));
-  s.shading = select(is_smooth, normalize(smooth), s.shading);
+  const Lanes3 smooth = blend(
+      {lanes.of(mesh.normals, 0), lanes.of(mesh.normals, 1), lanes.of(mesh.normals, 2)}, weights);
+  s.shading = select(is_normal(smooth), normalize(smooth), s.shading);
   return s;
 }
 

@@ -154,10 +154,10 @@ LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, doubl
   surface.geometric_normal = to_normal(unit_normal(corner));
   surface.shading_normal = surface.geometric_normal;
   if (!mesh.normals.empty()) {
-    const Vec3 n = to_vec(mesh.normals[index[0]]) * weight[0] +
-                   to_vec(mesh.normals[index[1]]) * weight[1] +
-                   to_vec(mesh.normals[index[2]]) * weight[2];
-    if (is_finite(n) && dot(n, n) > 0) {
+    const Vec3 n = blend({to_vec(mesh.normals[index[0]]), to_vec(mesh.normals[index[1]]),
+                          to_vec(mesh.normals[index[2]])},
+                         {weight[0], weight[1], weight[2]});
+    if (is_normal(n)) {
       surface.shading_normal = to_normal(normalize(n));
       const Vec3 shift = smooth_shift(mesh, index, corner, weight, surface.point);
       if (is_finite(shift)) surface.smooth_shift = shift;

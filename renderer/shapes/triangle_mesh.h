@@ -70,7 +70,6 @@ bool is_closed(const TriangleMesh& mesh);
 int mesh_crossing_number(const TriangleMesh& mesh, const Ray& ray, std::span<const Hit> hits);
 
 /// The surface at barycentric weights u, v of vertices 1 and 2 of a triangle.
-/// Also a lane each in lane_triangle-inl.h, bit for bit.
 LocalSurface triangle_surface(const TriangleMesh& mesh, uint32_t triangle, double u, double v);
 
 }  // namespace tessera
