@@ -19,7 +19,7 @@ namespace tessera {
 
 /// Where clients come: pulls what they submit, has it accepted, and answers their questions. A
 /// client that asks no more is gone, and with it what it was submitting, or its job where that does
-/// not go on without it.
+/// not go on without it. Of the coordinator's thread.
 class ClientService {
  public:
   /// `jobs` must outlive it.

@@ -48,10 +48,11 @@ class Coordinator {
   void fail_jobs(const std::string& why, Time now);
   /// The result of a job from submit() once it has ended; told once.
   std::optional<JobResult> take_result(uint64_t job);
-  /// Of the first job that runs.
+  /// The progress of the first job that runs.
   JobProgress progress(Time now) const;
-  // Of one job from submit(), which may run beside others: until it has ended, and once it has
-  // begun, which it has on return from submit() where fewer than eight others run. Else nothing.
+  /// The progress of one job from submit(), which may run beside others. This and the next two tell
+  /// nothing before it begins, which it has on return from submit() where fewer than eight others
+  /// run, and after it has ended.
   std::optional<JobProgress> progress(uint64_t job, Time now) const;
   std::vector<TileSnapshot> tiles(uint64_t job, Time now) const;
   /// The light so far, valid until the next call that may end the job.

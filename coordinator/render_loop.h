@@ -68,8 +68,8 @@ class RenderLoop {
   /// every 50 ms until then.
   void serve(const std::atomic<bool>& stop, Time drain = Time{0},
              const std::function<void()>& each_round = {});
-  /// From now on nobody else is let in. Who is not on it any more is lost at once; whose key was
-  /// set aside may come back.
+  /// Replaces the list of admitted keys. Peers that are not on it any more are lost at once; those
+  /// whose key was quarantined may come back.
   void set_allowed(AllowList allowed);
   /// Where machines enrol, by tokens that are let in. The caller keeps it; null: nowhere.
   void enrol_into(KeyRegistry* keys) { keys_ = keys; }

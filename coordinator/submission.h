@@ -17,7 +17,7 @@
 namespace tessera {
 
 /// What a client has submitted, until the store has all of it: pulls the scenes, reads which blobs
-/// they need, and pulls those that the store lacks.
+/// they need, and pulls those that the store lacks. Of the coordinator's thread.
 class Submission {
  public:
   /// Throws usage_error for a request that names its scenes wrongly.

@@ -60,6 +60,7 @@ v1::Reject id_taken(const v1::Hello& hello);
 
 /// Who works here. A worker is known by the id that its process drew; a connection is only its
 /// address of the moment. Where there are keys, an id is its alone whose key said it first.
+/// Of the coordinator's thread.
 class WorkerRegistry {
  public:
   explicit WorkerRegistry(const CoordinatorOptions& options) : options_(options) {}
@@ -81,6 +82,7 @@ class WorkerRegistry {
   Greeting greet(const PeerId& peer, const v1::Hello& hello, Time now,
                  const AllowedKey& sender = {});
 
+  // Null where there is none; valid until the worker is forgotten.
   WorkerRecord* by_peer(const PeerId& peer);
   WorkerRecord* by_id(WorkerId id);
   /// The worker in that process of this host.

@@ -118,7 +118,7 @@ void WorkerService::tell_taken(const v1::Hello& hello, const AllowedKey& sender,
 void WorkerService::on_hello(const PeerId& peer, const v1::Hello& hello, const AllowedKey& sender,
                              Time now) {
   auto refusal = workers_.judge(hello, sender);
-  // Also where the worker of that id was forgotten: its pixels still have the voice of its key.
+  // Also where the worker of that id was forgotten: its pixels still are of its key's voter.
   const std::string& known_key = jobs_.keys().key_of(hello.worker_id());
   if (!refusal && !known_key.empty() && known_key != sender.key) refusal = id_taken(hello);
   if (auto& reject = refusal) {

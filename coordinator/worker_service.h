@@ -18,7 +18,7 @@
 namespace tessera {
 
 /// Where workers come: takes them in, tells them of jobs, gives them tiles, takes their pixels, and
-/// notices when they are no more.
+/// notices when they are no more. Of the coordinator's thread.
 class WorkerService {
  public:
   /// `jobs` must outlive it.

@@ -81,14 +81,14 @@ void WorkerService::on_mismatch(ActiveFrame& job, Mismatch mismatch, Time now) {
 void WorkerService::abandon_checks(ActiveFrame& job, Time now) {
   const WorkerKeys& keys = jobs_.keys();
   const auto present = workers_.present();
-  // Another voice may have time once it is done with other jobs, or has built the scene.
+  // Another voter may have time once it is done with other jobs, or has built the scene.
   const auto is_awaited = [&](uint32_t tile, const std::vector<WorkerId>& traced_by) {
     return std::any_of(present.begin(), present.end(), [&](const WorkerRecord* worker) {
       const bool gets_on = now - worker->got_on < options_.lease;
       return gets_on && !worker->leaves && !job.scene_failed_at(worker->id) &&
              !job.scheduler().is_barred(tile, worker->id) &&
              std::none_of(traced_by.begin(), traced_by.end(), [&](WorkerId by) {
-               return keys.voice_of(by) == keys.voice_of(worker->id);
+               return keys.voter_of(by) == keys.voter_of(worker->id);
              });
     });
   };

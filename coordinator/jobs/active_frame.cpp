@@ -186,10 +186,10 @@ ActiveFrame::Completion ActiveFrame::complete(uint32_t tile, LeaseId lease, Work
     const Mismatch about = *found;
     verifier_.settle(tile);
     const auto wrong = TileVerifier::judge(about, assembler_.row(tile, about.row));
-    const bool two_voices = keys_.voice_of(about.first) != keys_.voice_of(about.second);
+    const bool are_two_voters = keys_.voter_of(about.first) != keys_.voter_of(about.second);
     if (wrong) {
-      result.convictions = {{*wrong, about, from, keys_.by_key() && two_voices}};
-    } else if (!two_voices) {
+      result.convictions = {{*wrong, about, from, keys_.by_key() && are_two_voters}};
+    } else if (!are_two_voters) {
       // Processes of one key contradict each other, and another key both of them.
       result.convictions = {{about.first, about, from}, {about.second, about, from}};
       if (verifier_.wants_second(tile)) scheduler_.want_check(tile, verifier_.traced_by(tile));
@@ -228,7 +228,7 @@ void ActiveFrame::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId fro
   const std::vector<float> value(unseen.value().begin(), unseen.value().end());
   const PixelRect seen = rect_of(unseen.seen());
   if (!unseen_) unseen_ = UnseenWord{from, seen, value};
-  unseen_->confirmed |= keys_.voice_of(from) != keys_.voice_of(unseen_->from);
+  unseen_->confirmed |= keys_.voter_of(from) != keys_.voter_of(unseen_->from);
   if (keys_.listed() > 0 && !unseen_->confirmed) return;
   const auto& tiles = assembler_.tiles();
   std::vector<uint32_t> filled;
@@ -247,7 +247,7 @@ void ActiveFrame::fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId fro
     verifier_.note_rows(tile, from);
     if (unseen_->confirmed) verifier_.note_rows(tile, unseen_->from);
     keep(tile);
-    // What two voices say needs no third.
+    // What two voters say needs no third.
     if (verifier_.selects(tile) && !unseen_->confirmed) scheduler_.want_check(tile, {from});
   }
 }
@@ -292,14 +292,14 @@ SchedulerEvents ActiveFrame::dispute(Mismatch mismatch, Time now) {
   return events;
 }
 
-SchedulerEvents ActiveFrame::redo_tiles_of(WorkerId worker, bool by_voice) {
+SchedulerEvents ActiveFrame::redo_tiles_of(WorkerId worker, bool by_voter) {
   SchedulerEvents events;
-  for (const uint32_t tile : verifier_.tiles_of(worker, by_voice)) {
+  for (const uint32_t tile : verifier_.tiles_of(worker, by_voter)) {
     const SchedulerEvents more = retrace(tile);
     events.cancelled.insert(events.cancelled.end(), more.cancelled.begin(), more.cancelled.end());
   }
   // What it disputes with others needs no third.
-  for (const uint32_t tile : verifier_.disputes_of(worker, by_voice)) {
+  for (const uint32_t tile : verifier_.disputes_of(worker, by_voter)) {
     verifier_.settle(tile);
     scheduler_.forget_dispute(tile);
   }
@@ -377,17 +377,17 @@ void ActiveFrame::fail(ExitCode code, std::string why) {
 
 void ActiveFrame::note_scene_failure(WorkerId worker, SceneFailure failure) {
   scene_failures_[worker] = failure;
-  std::set<WorkerKeys::Voice> voices;
+  std::set<WorkerKeys::Voter> voters;
   for (const auto& [id, other] : scene_failures_) {
-    if (other.cause == failure.cause) voices.insert(keys_.voice_of(id));
+    if (other.cause == failure.cause) voters.insert(keys_.voter_of(id));
   }
   constexpr size_t kWitnesses = 2;
-  if (voices.size() < kWitnesses) return;
+  if (voters.size() < kWitnesses) return;
   if (failure.cause == v1::SceneFailed::BAD_SCENE) fail(ExitCode::bad_scene, failure.text);
   // Where somebody has built it, what ended the processes of others need not be the scene.
   if (failure.cause == v1::SceneFailed::CRASHED && !built_) {
     fail(ExitCode::render_failed,
-         fmt::format("{}; that happened to {} workers", failure.text, voices.size()));
+         fmt::format("{}; that happened to {} workers", failure.text, voters.size()));
   }
 }
 
@@ -418,10 +418,10 @@ void ActiveFrame::note_lost_builder(WorkerId worker, Time told, Time now) {
   // Workers also die of what they trace for other jobs.
   constexpr size_t kMostLost = 5;
   if (lost_builders_.size() < kMostLost) return;
-  std::set<WorkerKeys::Voice> voices;
-  for (const WorkerId lost : lost_builders_) voices.insert(keys_.voice_of(lost));
+  std::set<WorkerKeys::Voter> voters;
+  for (const WorkerId lost : lost_builders_) voters.insert(keys_.voter_of(lost));
   // It is believed of its own workers alone.
-  if (voices.size() < 2) return lost_voices_.merge(voices);
+  if (voters.size() < 2) return lost_voters_.merge(voters);
   shortage_ = Shortage{
       fmt::format(
           "{} workers, one after the other, were lost while they built the scene, and none "

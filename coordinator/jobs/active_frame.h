@@ -31,8 +31,8 @@ struct Conviction {
   WorkerId wrong = 0;
   Mismatch dispute;
   WorkerId judge = 0;
-  /// The two that agree and the one that is wrong speak with three voices: what is wrong is the
-  /// key. Else it is that process alone, since one voice convicts nobody else.
+  /// The two that agree and the one that is wrong are three voters: what is wrong is the key. Else
+  /// it is that process alone, since one voter convicts nobody else.
   bool of_key = false;
 };
 
@@ -63,7 +63,7 @@ struct TileKeeping {
 };
 
 /// One frame, which is what workers know as a job, from its start to its end: its tiles, its film
-/// and its numbers.
+/// and its numbers. Of the coordinator's thread.
 class ActiveFrame {
  public:
   /// `spec`, whose scene is not read, has passed check_job(). `keys` must outlive this. `failures`:
@@ -83,20 +83,20 @@ class ActiveFrame {
   void set_priority(int32_t priority) { priority_ = priority; }
   const v1::JobStart& start_message() const { return start_; }
   v1::Assign assignment(const Lease& lease) const;
-  /// Notes that a worker could not build the scene. The frame fails once two voices say that the
+  /// Notes that a worker could not build the scene. The frame fails once two voters say that the
   /// scene is wrong or, where nobody has built it, that building it ended their process.
   void note_scene_failure(WorkerId worker, SceneFailure failure);
   /// These workers are there. Where all of them have failed to build the scene, the frame is short
   /// of something; where workers are not told apart by keys and one says that the scene is wrong,
   /// it fails.
   void look_for_shortage(const std::vector<WorkerId>& present);
-  /// Whether the worker is passed over for this frame: it, or workers of its voice that were lost
+  /// Whether the worker is passed over for this frame: it, or workers of its voter that were lost
   /// while they built the scene, could not build it.
   bool scene_failed_at(WorkerId worker) const {
-    return scene_failures_.contains(worker) || lost_voices_.contains(keys_.voice_of(worker));
+    return scene_failures_.contains(worker) || lost_voters_.contains(keys_.voter_of(worker));
   }
   /// Whether any worker is passed over.
-  bool has_scene_failures() const { return !scene_failures_.empty() || !lost_voices_.empty(); }
+  bool has_scene_failures() const { return !scene_failures_.empty() || !lost_voters_.empty(); }
   const SceneFailures& scene_failures() const { return scene_failures_; }
   /// Notes that nobody who is there can get on with it.
   void fall_short(Shortage shortage) { shortage_ = std::move(shortage); }
@@ -106,7 +106,7 @@ class ActiveFrame {
   }
   /// Why it is to be put aside for now.
   const std::optional<Shortage>& shortage() const { return shortage_; }
-  /// Some worker has built the scene: what may come of it, it ends not every worker.
+  /// Notes that a worker has built the scene: building it does not crash every worker.
   void note_built() { built_ = true; }
   /// Notes that a worker is lost that was told of the job at `told` and has not built its scene.
   /// Where that has happened to too many, each told after the one before was lost, people have to
@@ -129,12 +129,12 @@ class ActiveFrame {
   struct Completion {
     SchedulerEvents events;
     std::vector<Conviction> convictions{};
-    std::optional<Mismatch> undecided{};  ///< the third differs from both, who are two voices
+    std::optional<Mismatch> undecided{};  ///< the third differs from both, who are two voters
   };
   Completion complete(uint32_t tile, LeaseId lease, WorkerId from, Time now);
   /// A worker says which region sees only a constant background, and its colour. Completes the
   /// tiles there that nobody has begun: at once where workers are not told apart by keys, else once
-  /// two voices have said the same.
+  /// two voters have said the same.
   void fill_unseen(const v1::SceneReady::Unseen& unseen, WorkerId from);
   /// Whether it names a colour of this frame's pixels, in finite numbers.
   bool is_sound(const v1::SceneReady::Unseen& unseen) const;
@@ -148,8 +148,8 @@ class ActiveFrame {
   SchedulerEvents retrace(uint32_t tile);
   /// Two workers traced it differently: it is traced again by a third.
   SchedulerEvents dispute(Mismatch mismatch, Time now);
-  /// All that the worker or, with `by_voice`, its key has traced is traced again by others.
-  SchedulerEvents redo_tiles_of(WorkerId worker, bool by_voice);
+  /// All that the worker or, with `by_voter`, its key has traced is traced again by others.
+  SchedulerEvents redo_tiles_of(WorkerId worker, bool by_voter);
   /// Tries again to keep what the store did not take.
   void keep_rest();
   /// Why tiles are not kept now; empty: they are. Where they must be, no more are to be traced.
@@ -220,14 +220,14 @@ class ActiveFrame {
   std::unordered_set<WorkerId> workers_seen_;
   std::set<WorkerId> lost_builders_;         ///< that did not come back
   std::optional<Time> builder_lost_at_;      ///< the last of them
-  std::set<WorkerKeys::Voice> lost_voices_;  ///< one key's, if too many of its workers were lost
+  std::set<WorkerKeys::Voter> lost_voters_;  ///< one key's, if too many of its workers were lost
   bool built_ = false;
   /// What the first worker said of the background.
   struct UnseenWord {
     WorkerId from = 0;
     PixelRect seen;
     std::vector<float> value;
-    bool confirmed = false;  ///< by another voice
+    bool confirmed = false;  ///< by another voter
   };
   std::optional<UnseenWord> unseen_;
   bool unseen_distrusted_ = false;

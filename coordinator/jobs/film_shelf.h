@@ -14,7 +14,7 @@
 namespace tessera {
 
 /// The films of frames that have ended, as blobs: those asked for last at hand, others put together
-/// again from their tiles.
+/// again from their tiles. Of the coordinator's thread.
 class FilmShelf {
  public:
   /// Films at hand take so many bytes together, or one takes more.

@@ -24,6 +24,7 @@ namespace tessera {
 
 /// All jobs, of this process and of clients: which of them run, in which order workers are to serve
 /// them, and how each ended. What clients' jobs are and become is in the store before it is told.
+/// Of the coordinator's thread.
 class JobTable {
  public:
   /// Takes up the jobs of the store. Throws render_error where it cannot be read.
@@ -46,6 +47,7 @@ class JobTable {
   /// Takes a submission whose blobs are in the store; `scenes` has those of its frames. Throws
   /// Error where it cannot be rendered or kept.
   void accept(v1::SubmitJob request, const std::vector<Digest>& blobs, SceneFactsMap scenes);
+  /// Null where there is none; valid until it is forgotten.
   Job* find(uint64_t job);
   Job* find_submission(uint64_t submission);
   const std::map<uint64_t, std::unique_ptr<Job>>& all() const { return jobs_; }
@@ -101,10 +103,10 @@ class JobTable {
   // Frames that run.
   /// Counts what workers hold until now; to be called before that changes.
   void account(Time now);
-  /// By the number that workers know.
+  /// By the number that workers know; null where it is not being traced, valid until it ends.
   ActiveFrame* running(uint64_t frame);
   /// Those of which tiles may be assigned, the neediest job's first: by priority, then by the share
-  /// that each has had.
+  /// that each has had. Valid until the next call.
   const std::vector<ActiveFrame*>& by_need();
   const std::vector<ActiveFrame*>& running() const { return running_; }
   struct Changes {

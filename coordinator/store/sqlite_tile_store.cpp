@@ -17,10 +17,10 @@ SqliteTileStore::SqliteTileStore(const std::filesystem::path& file)
 
 uint64_t SqliteTileStore::end() {
   uint64_t others = tiles_.count();
-  for (const Digest& job : asked_for_) others -= tiles_.count(job);
+  for (const Digest& key : asked_for_) others -= tiles_.count(key);
   // Deleting rows takes time and room; a file goes at once.
   if (others == 0) return database_.remove(), others;
-  for (const Digest& job : asked_for_) tiles_.drop_all(job);
+  for (const Digest& key : asked_for_) tiles_.drop_all(key);
   return others;
 }
 

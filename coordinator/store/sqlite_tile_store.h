@@ -17,12 +17,12 @@ class SqliteTileStore : public TileStore {
   /// Opens the file or makes it, as SqliteDatabase does.
   explicit SqliteTileStore(const std::filesystem::path& file);
 
-  void keep(const Digest& job, const FinishedTile& tile) override { tiles_.keep(job, tile); }
-  void drop(const Digest& job, const PixelRect& tile) override { tiles_.drop(job, tile); }
-  void drop_all(const Digest& job) override { tiles_.drop_all(job); }
-  std::vector<FinishedTile> find(const Digest& job) override {
-    asked_for_.insert(job);
-    return tiles_.find(job);
+  void keep(const Digest& key, const FinishedTile& tile) override { tiles_.keep(key, tile); }
+  void drop(const Digest& key, const PixelRect& tile) override { tiles_.drop(key, tile); }
+  void drop_all(const Digest& key) override { tiles_.drop_all(key); }
+  std::vector<FinishedTile> find(const Digest& key) override {
+    asked_for_.insert(key);
+    return tiles_.find(key);
   }
 
   /// Nothing of the jobs that were asked for is needed any more: closes and deletes the file,

@@ -110,9 +110,9 @@ bool TileScheduler::may_trace(const Tile& tile, WorkerId worker, Time now, bool 
   if (is_party(index, worker) || is_barred(index, worker)) return false;
   if (tile.state == State::done) {
     const auto check = checks_.find(index);
-    const auto has_its_voice = [&](WorkerId by) { return voice_of(by) == voice_of(worker); };
+    const auto is_its_voter = [&](WorkerId by) { return voter_of(by) == voter_of(worker); };
     if (check == checks_.end() ||
-        std::any_of(check->second.begin(), check->second.end(), has_its_voice)) {
+        std::any_of(check->second.begin(), check->second.end(), is_its_voter)) {
       return false;
     }
   }
@@ -455,9 +455,9 @@ void TileScheduler::blame(uint32_t index, WorkerId worker, Time now, SchedulerEv
   judge(index, tile.failed_by, kMaxFailures, events);
 }
 
-size_t TileScheduler::count_of_voice(const std::vector<WorkerId>& by, WorkerId worker) const {
+size_t TileScheduler::count_of_voter(const std::vector<WorkerId>& by, WorkerId worker) const {
   return static_cast<size_t>(std::count_if(
-      by.begin(), by.end(), [&](WorkerId id) { return voice_of(id) == voice_of(worker); }));
+      by.begin(), by.end(), [&](WorkerId id) { return voter_of(id) == voter_of(worker); }));
 }
 
 void TileScheduler::judge(uint32_t index, const std::vector<WorkerId>& by, size_t most,
@@ -467,19 +467,19 @@ void TileScheduler::judge(uint32_t index, const std::vector<WorkerId>& by, size_
     return;
   }
   // What one key says is not enough, however often.
-  std::set<WorkerKeys::Voice> voices;
+  std::set<WorkerKeys::Voter> voters;
   for (const WorkerId id : by) {
-    if (count_of_voice(by, id) >= (most + 1) / 2) voices.insert(voice_of(id));
+    if (count_of_voter(by, id) >= (most + 1) / 2) voters.insert(voter_of(id));
   }
-  if (voices.size() >= 2) return give_up(index, events);
-  if (count_of_voice(by, by.back()) >= most) barred_.insert(index);
+  if (voters.size() >= 2) return give_up(index, events);
+  if (count_of_voter(by, by.back()) >= most) barred_.insert(index);
 }
 
 bool TileScheduler::is_barred(uint32_t index, WorkerId worker) const {
   if (!barred_.contains(index)) return false;
   const Tile& tile = tiles_[index];
-  return count_of_voice(tile.failed_by, worker) >= kMaxFailures ||
-         count_of_voice(tile.vanished_by, worker) >= kMaxVanished;
+  return count_of_voter(tile.failed_by, worker) >= kMaxFailures ||
+         count_of_voter(tile.vanished_by, worker) >= kMaxVanished;
 }
 
 void TileScheduler::give_up(uint32_t index, SchedulerEvents& events) {

@@ -24,8 +24,8 @@ struct Lease {
   uint32_t tile = 0;
   WorkerId worker = 0;
   Time issued{}, deadline{};
-  uint64_t work_done = 0;
-  bool started = false;  ///< as the worker said last
+  uint64_t work_done = 0;  ///< as in Heartbeat.Progress: grows with the work; of no fixed unit
+  bool started = false;    ///< as the worker said last
   bool speculative = false;
   bool check = false;  ///< of a tile whose pixels are there
   bool again = false;  ///< replaces one that came to nothing
@@ -68,11 +68,12 @@ struct SchedulerEvents {
 /// Costly tiles come first (TileCosts). At the end of the queue, what waits in one worker's queue
 /// is given to another that has nothing to do, and large tiles are split into strips for several:
 /// each is leased by itself, and the tile is done when all its rows are there, whoever traced them.
-/// A tile that fails is whole again. Plain values; no clock.
+/// A tile that fails is whole again. Plain values; no clock. Arguments named `busy` say that the
+/// worker holds tiles of other jobs.
 class TileScheduler {
  public:
   /// Tiles of the grid of that size, as cut_tiles() orders them. `keys`, which must outlive this,
-  /// tells which workers speak with one voice; null: none do.
+  /// tells which workers are one voter; null: none are.
   TileScheduler(std::vector<PixelRect> tiles, int tile_size, const TileRules& rules,
                 const WorkerKeys* keys = nullptr);
   /// So many tiles of one pixel each.
@@ -82,7 +83,7 @@ class TileScheduler {
   void restore(const std::vector<uint32_t>& tiles);
   /// The tile is never split: another worker than that of each part would be wanted to check it.
   void keep_whole(uint32_t tile) { tiles_[tile].kept_whole = true; }
-  /// From now on the worker may hold tiles, of which it traces `threads` at a time in the order in
+  /// From now on the worker may hold tiles. It traces `threads` of them at a time, in the order in
   /// which it got them. If it had vanished, no tile was the cause of it.
   void join(WorkerId worker, uint32_t threads = 1);
   /// The worker is gone. Whatever it held is pending again.
@@ -94,8 +95,7 @@ class TileScheduler {
   /// A suspect gets no work, and others get copies of what it holds, before all else.
   void set_suspect(WorkerId worker, bool suspect);
 
-  /// A tile for this worker: a copy of a suspect's, or the next pending one. `busy`: it holds tiles
-  /// of other jobs.
+  /// A tile for this worker: a copy of a suspect's, or the next pending one.
   std::optional<Lease> assign(WorkerId worker, Time now, bool busy = false);
   /// Whether assign() would give it one that is pending or to be checked. Pieces of tiles that were
   /// split count only if `pieces` is true.
@@ -129,14 +129,14 @@ class TileScheduler {
   /// The workers of earlier calls of dispute() for the tile.
   const std::vector<WorkerId>& disputed_by(uint32_t tile) const { return tiles_[tile].disputed_by; }
   /// Whether what the worker says of the tile decides nothing: the tile is in dispute, and the
-  /// worker, or one that speaks with the same voice, is a party to it.
+  /// worker, or another of the same voter, is a party to it.
   bool is_party(uint32_t tile, WorkerId worker) const;
   /// One of the two is known to be wrong: the other may trace it again.
   void forget_dispute(uint32_t tile);
-  /// Whether the worker is not given the tile any more: those of its voice have failed it, or
+  /// Whether the worker is not given the tile any more: those of its voter have failed it, or
   /// vanished with it, too often.
   bool is_barred(uint32_t tile, WorkerId worker) const;
-  /// Tiles that some voice is barred from, whether they are done by now or not.
+  /// Tiles that some voter is barred from, whether they are done by now or not.
   const std::set<uint32_t>& barred_tiles() const { return barred_; }
   /// A disputed tile that no other worker has taken for a whole lease, and none that `gets_on` with
   /// what it does may take soon.
@@ -255,18 +255,18 @@ class TileScheduler {
   bool issued(LeaseId lease, WorkerId worker) const;
   /// The upper bits of the leases that this coordinator gives.
   uint64_t opening_tag() const;
-  WorkerKeys::Voice voice_of(WorkerId worker) const {
-    return keys_ ? keys_->voice_of(worker) : worker;
+  WorkerKeys::Voter voter_of(WorkerId worker) const {
+    return keys_ ? keys_->voter_of(worker) : worker;
   }
   Time straggler_age() const;
   Time lease_length(const Tile& tile) const;
   /// Forgets a live lease; the tile is pending if that was its last.
   Lease drop(LeaseId lease);
   void blame(uint32_t tile, WorkerId worker, Time now, SchedulerEvents& events);
-  /// How many of them speak with the worker's voice.
-  size_t count_of_voice(const std::vector<WorkerId>& by, WorkerId worker) const;
+  /// How many of them are of the worker's voter.
+  size_t count_of_voter(const std::vector<WorkerId>& by, WorkerId worker) const;
   /// After a list of who failed the tile, or vanished with it, has grown: gives the tile up once
-  /// there are `most` or, where keys have voices, half as many of each of two; bars a voice from it
+  /// there are `most` or, where keys are voters, half as many of each of two; bars a voter from it
   /// that has so many alone.
   void judge(uint32_t tile, const std::vector<WorkerId>& by, size_t most, SchedulerEvents& events);
   void give_up(uint32_t tile, SchedulerEvents& events);

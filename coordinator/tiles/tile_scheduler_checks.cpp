@@ -41,7 +41,7 @@ SchedulerEvents TileScheduler::dispute(uint32_t index, WorkerId one, WorkerId ot
 bool TileScheduler::is_party(uint32_t index, WorkerId worker) const {
   const std::vector<WorkerId>& by = tiles_[index].disputed_by;
   return std::any_of(by.begin(), by.end(),
-                     [&](WorkerId id) { return voice_of(id) == voice_of(worker); });
+                     [&](WorkerId id) { return voter_of(id) == voter_of(worker); });
 }
 
 std::vector<Lease> TileScheduler::leases_of(WorkerId worker) const {

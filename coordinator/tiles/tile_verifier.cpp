@@ -28,7 +28,7 @@ bool TileVerifier::wants_second(uint32_t tile) const {
   const std::vector<WorkerId>& by = traced_by_[tile];
   return selects(tile) || std::any_of(by.begin(), by.end(), [this](WorkerId worker) {
            return std::any_of(suspects_.begin(), suspects_.end(), [&](WorkerId suspect) {
-             return voice_of(suspect) == voice_of(worker);
+             return voter_of(suspect) == voter_of(worker);
            });
          });
 }
@@ -38,11 +38,11 @@ void TileVerifier::note_rows(uint32_t tile, WorkerId worker) {
   if (std::find(by.begin(), by.end(), worker) == by.end()) by.push_back(worker);
 }
 
-std::vector<uint32_t> TileVerifier::tiles_of(WorkerId worker, bool by_voice) const {
+std::vector<uint32_t> TileVerifier::tiles_of(WorkerId worker, bool by_voter) const {
   std::vector<uint32_t> tiles;
   for (uint32_t tile = 0; tile < traced_by_.size(); ++tile) {
     const std::vector<WorkerId>& by = traced_by_[tile];
-    const auto is_its = [&](WorkerId id) { return same(id, worker, by_voice); };
+    const auto is_its = [&](WorkerId id) { return same(id, worker, by_voter); };
     if (std::any_of(by.begin(), by.end(), is_its)) tiles.push_back(tile);
   }
   return tiles;
@@ -51,8 +51,8 @@ std::vector<uint32_t> TileVerifier::tiles_of(WorkerId worker, bool by_voice) con
 bool TileVerifier::note_same_rows(uint32_t tile, WorkerId worker, const PixelRect& rect,
                                   int first_row, int rows) {
   const std::vector<WorkerId>& by = traced_by_[tile];
-  const auto has_its_voice = [&](WorkerId id) { return voice_of(id) == voice_of(worker); };
-  if (std::any_of(by.begin(), by.end(), has_its_voice)) return false;
+  const auto is_its_voter = [&](WorkerId id) { return voter_of(id) == voter_of(worker); };
+  if (std::any_of(by.begin(), by.end(), is_its_voter)) return false;
   std::vector<bool>& same = same_[{tile, worker}];
   same.resize(static_cast<size_t>(rect.height()));
   std::fill_n(same.begin() + (first_row - rect.y0), rows, true);
@@ -76,10 +76,10 @@ const Mismatch* TileVerifier::dispute(uint32_t tile) const {
   return it == disputes_.end() ? nullptr : &it->second;
 }
 
-std::vector<uint32_t> TileVerifier::disputes_of(WorkerId worker, bool by_voice) const {
+std::vector<uint32_t> TileVerifier::disputes_of(WorkerId worker, bool by_voter) const {
   std::vector<uint32_t> tiles;
   for (const auto& [tile, dispute] : disputes_) {
-    if (same(dispute.first, worker, by_voice) || same(dispute.second, worker, by_voice)) {
+    if (same(dispute.first, worker, by_voter) || same(dispute.second, worker, by_voter)) {
       tiles.push_back(tile);
     }
   }

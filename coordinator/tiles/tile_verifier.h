@@ -20,7 +20,7 @@ class TileVerifier {
  public:
   /// `share` from 0 to 1; `key` is drawn and known to nobody else, so that no worker can tell which
   /// of its tiles are looked at.
-  /// `keys`, which must outlive this, tells which workers speak with one voice; null: none do.
+  /// `keys`, which must outlive this, tells which workers are one voter; null: none are.
   TileVerifier(size_t tiles, double share, uint64_t key, const WorkerKeys* keys = nullptr)
       : share_(share), key_(key), keys_(keys), traced_by_(tiles) {}
 
@@ -34,11 +34,10 @@ class TileVerifier {
   void note_rows(uint32_t tile, WorkerId worker);
   /// Whose rows a tile has, or may have.
   const std::vector<WorkerId>& traced_by(uint32_t tile) const { return traced_by_[tile]; }
-  /// Tiles of which that is true of that worker or, with `by_voice`, of any that speaks with the
-  /// same voice.
-  std::vector<uint32_t> tiles_of(WorkerId worker, bool by_voice = false) const;
+  /// Tiles of which that is true of that worker or, with `by_voter`, of any of the same voter.
+  std::vector<uint32_t> tiles_of(WorkerId worker, bool by_voter = false) const;
   /// The tile is complete, and these rows came again, with the same bits. True once all of `tile`'s
-  /// rows came so from this worker, and it speaks with another voice than those that traced it.
+  /// rows came so from this worker, and it is another voter's than those that traced it.
   bool note_same_rows(uint32_t tile, WorkerId worker, const PixelRect& rect, int first_row,
                       int rows);
   /// Nothing of it counts any more.
@@ -50,17 +49,17 @@ class TileVerifier {
   const Mismatch* dispute(uint32_t tile) const;
   /// Who of the two was wrong, as the third's pixels of the row say; nothing where both were.
   static std::optional<WorkerId> judge(const Mismatch& dispute, std::span<const float> third);
-  /// Tiles about which this worker and another differ; `by_voice` as of tiles_of().
-  std::vector<uint32_t> disputes_of(WorkerId worker, bool by_voice = false) const;
+  /// Tiles about which this worker and another differ; `by_voter` as of tiles_of().
+  std::vector<uint32_t> disputes_of(WorkerId worker, bool by_voter = false) const;
   void settle(uint32_t tile) { disputes_.erase(tile); }
 
  private:
-  WorkerKeys::Voice voice_of(WorkerId worker) const {
-    return keys_ ? keys_->voice_of(worker) : worker;
+  WorkerKeys::Voter voter_of(WorkerId worker) const {
+    return keys_ ? keys_->voter_of(worker) : worker;
   }
-  /// Whether `a` is the worker `b` or, with `by_voice`, speaks with the same voice.
-  bool same(WorkerId a, WorkerId b, bool by_voice) const {
-    return a == b || (by_voice && voice_of(a) == voice_of(b));
+  /// Whether `a` is the worker `b` or, with `by_voter`, of the same voter.
+  bool same(WorkerId a, WorkerId b, bool by_voter) const {
+    return a == b || (by_voter && voter_of(a) == voter_of(b));
   }
 
   double share_;

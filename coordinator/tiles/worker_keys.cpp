@@ -7,11 +7,11 @@
 namespace tessera {
 namespace {
 
-WorkerKeys::Voice voice_of_key(const std::string& key) {
+WorkerKeys::Voter voter_of_key(const std::string& key) {
   const Digest digest = Digest::of(key);
-  WorkerKeys::Voice voice;
-  std::memcpy(&voice, digest.bytes.data(), sizeof voice);
-  return voice;
+  WorkerKeys::Voter voter;
+  std::memcpy(&voter, digest.bytes.data(), sizeof voter);
+  return voter;
 }
 
 }  // namespace
@@ -20,11 +20,11 @@ void WorkerKeys::note(WorkerId worker, const std::string& key, const std::string
   if (key.empty()) return;
   const auto it = names_.try_emplace(key).first;
   if (!name.empty()) it->second = name;
-  holders_.try_emplace(worker, Holder{&it->first, voice_of_key(key)});
+  holders_.try_emplace(worker, Holder{&it->first, voter_of_key(key)});
 }
 
 WorkerId WorkerKeys::note_stored(const std::string& key) {
-  const WorkerId worker = voice_of_key(key) | kReservedId;
+  const WorkerId worker = voter_of_key(key) | kReservedId;
   note(worker, key, "");
   return worker;
 }
@@ -41,9 +41,9 @@ std::string WorkerKeys::name_of(const std::string& key) const {
   return it == names_.end() || it->second.empty() ? key.substr(0, kDigits) + "..." : it->second;
 }
 
-WorkerKeys::Voice WorkerKeys::voice_of(WorkerId worker) const {
+WorkerKeys::Voter WorkerKeys::voter_of(WorkerId worker) const {
   const auto it = holders_.find(worker);
-  return by_key() && it != holders_.end() ? it->second.voice : worker;
+  return by_key() && it != holders_.end() ? it->second.voter : worker;
 }
 
 }  // namespace tessera

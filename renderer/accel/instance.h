@@ -25,7 +25,7 @@ struct Instance {
   bool flip_normals = false;  ///< front and back, and the normals, change places
 };
 
-/// The two below for any shape, any transform and any ray.
+/// closest_hit_of() and any_hit_of() for any shape, any transform and any ray.
 bool closest_hit_of_any(const Instance& instance, uint32_t number, const Ray& ray, Hit& hit,
                         TraversalCounters& counters);
 bool any_hit_of_any(const Instance& instance, const Ray& ray, TraversalCounters& counters);

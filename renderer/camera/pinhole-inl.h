@@ -6,5 +6,6 @@ TESSERA_INLINE Num3 pinhole_direction(const Pinhole& camera, Num x, Num y) {
   const Vec3 &ahead = camera.view, &right = camera.right, &up = camera.up;
   const Num u = num(camera.offset.x) + x * num(camera.scale.x);
   const Num v = num(camera.offset.y) + y * num(camera.scale.y);
-  return normalize(num3(ahead.x, ahead.y, ahead.z) + num3(right.x, right.y, right.z) * u + num3(up.x, up.y, up.z) * v);
+  return normalize(num3(ahead.x, ahead.y, ahead.z) + num3(right.x, right.y, right.z) * u +
+                   num3(up.x, up.y, up.z) * v);
 }

@@ -44,7 +44,7 @@ inline constexpr size_t kOriginDepth = 8;
 /// --transparent-background.
 const std::vector<std::string>& aov_names();
 
-/// Some of them. A value; its bits are those of FrameSettings.aovs.
+/// A set of AOVs. A value; its bits are those of FrameSettings.aovs.
 class AovSet {
  public:
   constexpr AovSet() = default;
@@ -52,7 +52,7 @@ class AovSet {
   explicit AovSet(uint32_t bits);
   /// Whether all bits mean something.
   static bool knows(uint32_t bits) { return AovSet(bits).bits() == bits; }
-  /// All that leave light as it is.
+  /// All that leave the channels of light as they are.
   static AovSet all() { return AovSet(bit(Aov::alpha) - 1); }
 
   AovSet with(Aov aov) const { return AovSet(bits_ | bit(aov)); }

@@ -35,7 +35,8 @@ template <bool kRich>
 Color ray_transmittance(const Scene& scene, const Ray& ray, const Media& inside, double width,
                         TraceState& state);
 
-/// Whether what lets nothing through does; what stopped the last ray to this light is asked first.
+/// Whether something opaque stops this shadow ray. What stopped the last one to this light is asked
+/// first.
 [[gnu::always_inline]] inline bool is_stopped(const Scene& scene, const Light& light,
                                               const Ray& ray, TraceState& state) {
   const Occluders& occluders = scene.occluders;

@@ -14,7 +14,7 @@
 
 namespace tessera {
 
-/// Stretches that one camera ray is followed for, so that no scene makes a pixel endless.
+/// The most segments that are followed for one camera ray, so that no scene makes a pixel endless.
 inline constexpr uint32_t kMaxSegments = 1u << 18;
 /// Surfaces that a ray passes unbent on one way.
 inline constexpr uint32_t kMaxPasses = 1u << 16;
@@ -80,6 +80,8 @@ struct TraceState {
 class Integrator {
  public:
   virtual ~Integrator() = default;
+  /// Linear radiance that arrives along `ray`, by the sample `key`. `state` belongs to the thread
+  /// that calls.
   virtual Color radiance(const Ray& ray, const SampleKey& key, TraceState& state) const = 0;
   /// What finds the radiance along many camera rays faster than radiance() of each, if anything.
   virtual const BatchTracer* batches() const { return nullptr; }

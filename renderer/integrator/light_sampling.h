@@ -34,8 +34,8 @@ inline double light_density(const Scene& scene, const SurfacePoint& point, uint3
          of.sampler->density(from, point.surface.point, point.geometric_normal, primitive);
 }
 
-/// Of the length of a stretch to a point of a surface, how much before that surface it ends, beside
-/// the point's own error: what rounding makes of the stretch.
+/// By what fraction of its length, for the rounding of that, a shadow ray to a point of a surface
+/// stops before it, beyond the bound of the point's error.
 inline constexpr double kLiftRoundings = 0x1p-48;
 
 #include "renderer/integrator/light_sampling-inl.h"

@@ -15,8 +15,8 @@ namespace tessera {
 /// Some blocks of the frame are looked at first. The light that samples missed in blocks that met
 /// nothing rare is about what samples met once in the others (Robbins 1956, "An empirical Bayes
 /// approach to statistics": of Poisson counts of unknown rates, the mean rate of those that are 0
-/// is the number of those that are 1 over the number of those that are 0). And of what glows and is
-/// smaller than a pixel, the camera tells where it is and how many samples miss it.
+/// is the number of those that are 1 over the number of those that are 0). And of emissive shapes
+/// smaller than a pixel the camera tells where they are and how many samples miss them.
 ///
 /// A pure function of the scene, so that the frame may be cut in any way. Immutable.
 class HiddenLight {
@@ -40,7 +40,7 @@ class HiddenLight {
   void find_specks(const Scene& scene);
 
   int blocks_across_;
-  double met_nothing_ = 0;     ///< of the blocks looked at, nothing rare
+  double met_nothing_ = 0;     ///< how many of the blocks looked at met nothing rare
   std::vector<double> rare_;   ///< squares of what the others met once, means over the channels
   std::vector<Speck> specks_;  ///< by block
 };

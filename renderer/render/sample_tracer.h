@@ -44,7 +44,7 @@ class SampleTracer {
   bool goes_in_batches() const { return samples_of_row_ > 0; }
   /// How many fill a batch with rays through the lens; 0: each is traced by itself.
   uint32_t samples_of_row() const { return samples_of_row_; }
-  /// How many are traced before it is told that a pixel gets on.
+  /// How many samples of a pixel are traced between two reports of its progress.
   uint32_t samples_at_once() const { return samples_at_once_; }
   /// Whether all samples of a pixel are alike, and traced once.
   bool samples_coincide() const { return samples_coincide_; }

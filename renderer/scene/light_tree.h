@@ -29,7 +29,7 @@ class LightTree {
   /// The light that `u`, uniform in [0, 1), chooses for the point `p` of normal `n`. Every light
   /// has a probability above 0, whatever side it is on. Not of an empty tree.
   Pick pick(const Point3& p, const Vec3& n, double u) const;
-  /// That with which pick() chooses light `index`.
+  /// The probability with which pick() chooses light `index`.
   double probability(const Point3& p, const Vec3& n, uint32_t index) const;
 
  private:

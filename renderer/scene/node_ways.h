@@ -9,8 +9,8 @@ namespace tessera {
 
 inline constexpr uint32_t kNoWay = 0xFFFFFFFF;
 
-/// Which nodes lead to what is unfolded from a description: each way ends with a node, and goes on
-/// from the way to what that node stands in.
+/// Paths through the nodes of a description, as links upwards: each names a node and the link to
+/// what that node stands in; kNoWay: it stands in the scene itself.
 class NodeWays {
  public:
   struct Step {

@@ -23,7 +23,7 @@ class Origins {
   /// `shape_number` counts the shapes as they were added.
   void add_instance(const Shape* shape, uint32_t shape_number, uint32_t way);
 
-  /// Of what a hit tells.
+  /// The nodes around what a hit met, the outermost first.
   Chain of(uint32_t instance, uint32_t primitive) const;
 
  private:

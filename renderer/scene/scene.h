@@ -75,7 +75,7 @@ struct Scene {
 
   std::shared_ptr<const Accelerator> surfaces;  ///< every instance
   Occluders occluders;                          ///< of the light of `lights`
-  /// Of light from surfaces and the background, which paths find too: all that stops a path.
+  /// Of light from emissive surfaces and the background: all that stops a path.
   Occluders path_occluders;
 
   CounterMap counters;  ///< of building

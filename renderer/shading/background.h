@@ -49,7 +49,7 @@ struct Background {
   std::shared_ptr<const Sky> daylight;  ///< of sun_and_sky; always there then
   bool has_sun_disc = true;             ///< else without the sun in it
   double transparency = 0;              ///< the share of colours and pictures that is not there
-  double glow = 0;
+  double glow = 0;                      ///< adds glow * max(0, direction . way to it) of each light
   /// Rows of the rotation from world to background directions.
   std::array<Vec3, 3> rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 

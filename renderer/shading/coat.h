@@ -4,7 +4,7 @@
 
 namespace tessera {
 
-/// A clear coat over a base: facets of its own that reflect 4 % straight on (glTF 2.0,
+/// A clear coat over a base: facets of its own that reflect 4 % at normal incidence (glTF 2.0,
 /// KHR_materials_clearcoat), and what of the light under it gets out again. Light that the base
 /// sends up against the coat comes down once more, so that a base which loses nothing loses nothing
 /// under a coat either, and all factors are the same from either end. Of tables worked out once, in
@@ -15,14 +15,14 @@ namespace tessera {
 /// (1 - E(wi)) (1 - E(wo)) / (1 - mean of E), E being coat_albedo(); what it mirrors by 1 - E; what
 /// its facets reflect by coated_facets(wi) coated_facets(wo), which lies between these two.
 
-/// Straight on.
+/// At normal incidence.
 inline constexpr double kCoatReflectance = 0.04;
 
 /// The share of evenly arriving light that the coat sends towards `cosine`.
 double coat_albedo(double alpha, double cosine);
 
-/// Facets under a coat: white, or such as reflect kCoatReflectance straight on, which send more of
-/// their light along the surface.
+/// Facets under a coat: white, or such as reflect kCoatReflectance at normal incidence, which send
+/// more of their light along the surface.
 enum class CoatedFacets : uint8_t { white, dielectric };
 
 /// Of facets of `base_alpha`: such that they reflect their share of what the coat lets in.

@@ -23,7 +23,7 @@ class Coating {
   double below() const { return 1 - share_ * (1 - passed_o_); }
   /// What it lets through along `cosine`.
   double passes(double cosine) const { return 1 - share_ * coat_albedo(alpha_, cosine); }
-  /// What it leaves of light from `cosine` on the far side of glass.
+  /// Its transmittance for light from `cosine` on the far side of the glass under it.
   double before_beyond(double cosine) const { return viewer_is_under_ ? passes(cosine) : below(); }
   /// What it leaves of light from `cosine` that is scattered evenly, `mean` being mean_passed().
   double over_even(double cosine, double mean) const;

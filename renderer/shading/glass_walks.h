@@ -15,8 +15,8 @@ class GlassWalks {
   static double root_alpha_at(int step) { return static_cast<double>(step) / (kAlphas - 1); }
   static double root_cosine_at(int step) { return static_cast<double>(step) / (kCosines - 1); }
 
-  /// Of an inside of refractive index `index` > 0 and an outside of 1. Beyond the last step, 4.6,
-  /// as there.
+  /// Of an inside of refractive index `index` > 0 and an outside of 1. Above the last
+  /// step, 4.6, it is taken for that.
   explicit GlassWalks(double index);
   /// Of light on one side, along a cosine; the roots in [0, 1].
   double back(bool inside, double root_alpha, double root_cosine) const;

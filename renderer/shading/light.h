@@ -25,8 +25,11 @@ struct Light {
   LightKind kind = LightKind::directional;
   Point3 position{};
   Vec3 direction{0, 0, -1};  ///< unit; the way light travels
-  Color intensity = kWhite;  ///< color * intensity
-  Color ambient = kBlack;    ///< color * ambient intensity
+  /// Radiance of a white Lambertian surface that faces the light, where attenuation is 1:
+  /// irradiance over pi.
+  Color intensity = kWhite;
+  /// Added to the ambient light of what the light reaches.
+  Color ambient = kBlack;
   bool ambient_attenuated = false;
   LightAttenuation attenuation{};
   /// Metres of the light's frame per metre of the world: one over the mean length of its axes.

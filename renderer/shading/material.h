@@ -90,7 +90,7 @@ struct Material {
     }
     return model == MaterialModel::dielectric || (model == MaterialModel::physical && !is_opaque());
   }
-  /// Whether it throws light into single directions, straight on apart: none is looked for there.
+  /// Whether it has a specular lobe that turns light: sampling of lights finds none through it.
   bool throws_light() const {
     switch (model) {
       case MaterialModel::classic:

@@ -15,7 +15,7 @@ namespace tessera {
 struct FacetReflectance {
   enum class Kind : uint8_t {
     even,      ///< f0 at every angle
-    schlick,   ///< f0 straight on, more at others by Schlick's factor
+    schlick,   ///< f0 at normal incidence, more at others by Schlick's factor
     conductor  ///< by the refractive index eta + i k
   };
   Kind kind = Kind::even;
@@ -29,7 +29,7 @@ struct FacetReflectance {
 };
 
 /// A coat over facets dims metal otherwise than those of dielectrics: `dielectric` of the surface,
-/// which reflect `dielectric_f0` straight on.
+/// which reflect `dielectric_f0` at normal incidence.
 struct CoatOverFacets {
   Coating coat{};
   double dielectric = 0, dielectric_f0 = 0;

@@ -12,8 +12,8 @@ namespace tessera {
 /// wide loads of what was written in parts make the processor wait.
 using SurfaceInteraction = LocalSurface;
 
-/// A normal of vertices whose cosine to its face's is less stands for a mesh whose normals point
-/// inward, and is turned round; others may lean as far from the face as they do.
+/// Where the cosine between the normals of vertices and face is less, the mesh's normals are taken
+/// to point inward and are flipped; others may lean as far from the face as they do.
 inline constexpr double kFlipCosine = -0.5;
 
 #include "renderer/shapes/surface_interaction-inl.h"

@@ -13,7 +13,7 @@ namespace tessera {
 
 using TriangleCorners = std::array<Point3, 3>;
 
-/// Picks triangles of a shining surface by what they can bring to a point: area by the cosine at
+/// Picks triangles of an emissive surface by what they can bring to a point: area by the cosine at
 /// the triangle and that at the point, over the square of the distance, from
 /// the root of a tree downwards (Conty Estevez and Kulla 2018, "Importance Sampling of
 /// Many Lights with Adaptive Tree Splitting", without the splitting). What is far and about flat is
@@ -25,7 +25,7 @@ class TriangleTree {
   TriangleTree(std::span<const TriangleCorners> triangles, std::span<const double> areas,
                std::vector<uint32_t>& order);
 
-  /// From where they are seen.
+  /// The point that is lit, and how its frame relates to that of the triangles.
   struct View {
     Point3 from;      ///< in the triangles' frame
     Vec3 normal;      ///< unit, of what is lit, in the frame in which lengths are measured

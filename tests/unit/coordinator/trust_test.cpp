@@ -1,4 +1,4 @@
-// Workers that are told apart by their keys: one key has one voice, however many processes use it.
+// Workers that are told apart by their keys: one key is one voter, however many processes use it.
 #include "tests/unit/coordinator/service_fixture.h"
 
 namespace tessera::testing {
@@ -267,7 +267,7 @@ TEST_F(Trust, ASceneIsCalledWrongByTwoKeys) {
   const uint64_t frame = first_frame_of(id);
   tell("thief1", failed(frame, v1::SceneFailed::BAD_SCENE));
   tell("thief2", failed(frame, v1::SceneFailed::BAD_SCENE));
-  EXPECT_EQ(ask(id).state(), v1::JobStatus::HELD) << "all who are there speak with one voice";
+  EXPECT_EQ(ask(id).state(), v1::JobStatus::HELD) << "all who are there are one voter";
   EXPECT_THAT(ask(id).failure(), ::testing::HasSubstr("one key alone"));
   builds = true;
   come_by("alice", 3);
