@@ -55,16 +55,16 @@ bool Box::span(const Ray& ray, const RayError& error, SolidSpan& span) const {
 }
 
 bool Plane::span(const Ray& ray, const RayError& error, SolidSpan& span) const {
-  const Vec3 o = ray.origin - Point3{};
-  const double approach = dot(normal_, ray.direction);
-  const double height = dot(normal_, o) - offset_;
+  const Vec3& normal = equation_.normal;
+  const double approach = dot(normal, ray.direction);
+  const double height = signed_distance(ray.origin);
   span = {};
   if (approach == 0) return !(height > 0);
   const double t = -height / approach;
-  const double own = gamma(4) * (dot(abs(normal_), abs(o)) + std::abs(offset_));
-  const double rounding = gamma(6) * std::abs(t) * dot(abs(normal_), abs(ray.direction));
+  const double own = distance_error(ray.origin);
+  const double rounding = gamma(6) * std::abs(t) * dot(abs(normal), abs(ray.direction));
   const double reach =
-      rounding / std::abs(approach) + crossing_depth(normal_, t, error, own) / std::abs(approach);
+      rounding / std::abs(approach) + crossing_depth(normal, t, error, own) / std::abs(approach);
   (approach < 0 ? span.enter : span.leave) = {t, reach, approach < 0};
   return true;
 }
