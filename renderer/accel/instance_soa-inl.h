@@ -42,7 +42,7 @@ struct Nearest {
   }
 };
 
-/// Plane::intersect() with each, line by line, and no product fused with a sum.
+/// Plane::intersect() with each.
 HWY_INLINE void meet_planes(const InstanceSoA& few, uint32_t asked, const Lanes3& origin,
                             const Lanes3& direction, Lanes first, Lanes last, Nearest& nearest) {
   const PlaneSoA& planes = few.planes;

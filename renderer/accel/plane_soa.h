@@ -18,7 +18,7 @@ struct PlaneSoA {
   void add(const Plane& plane, Cull cull);
 
   // What fills a vector up has no normal and meets no ray.
-  alignas(32) double normal[3][kMost] = {}, offset[kMost] = {};
+  alignas(64) double normal[3][kMost] = {}, offset[kMost] = {};
   size_t count = 0;
   uint32_t from_front = 0, from_behind = 0;  ///< a bit for each that is seen from there
 };

@@ -30,7 +30,6 @@ class Plane final : public ConvexSolid {
 
   /// Where `ray` meets the sides that `cull` leaves, if it does at t <= `limit`; ray.cull does not
   /// count.
-  /// Also a lane each in instance_soa-inl.h, bit for bit.
   bool intersect(const Ray& ray, Cull cull, double limit, double& t) const {
     const double approach = dot(equation_.normal, ray.direction);
     if (cull == Cull::none ? approach == 0 : (approach < 0) == (cull == Cull::front)) return false;

@@ -171,7 +171,9 @@ class Files(TesseraTest):
                 json.loads(path.read_text())
 
     def scripts(self):
-        return [*DEPLOY.rglob("*.sh"), *DEPLOY.rglob("*.sbatch"), *(ROOT / ".ci").iterdir()]
+        """Those of the shell."""
+        of_ci = [path for path in (ROOT / ".ci").iterdir() if path.read_text().startswith("#!/usr/bin/env bash\n")]
+        return [*DEPLOY.rglob("*.sh"), *DEPLOY.rglob("*.sbatch"), *of_ci]
 
     def test_the_copyright_file_names_what_is_linked(self):
         uses = [line.split() for line in (DEPLOY / "packages.txt").read_text().splitlines() if not line.startswith("#")]

@@ -160,7 +160,7 @@ class SlurmTest(TesseraTest):
     def test_a_job_is_rendered(self):
         job = self.submit(4)
         self.assert_right(job, 4)
-        self.assertRegex(self.log(), r"(\d+) of \1 tiles, 0 kept")
+        self.assertRegex(self.log(), r"(?m)(\d+) of \1 tiles$")
         self.assertEqual(2, self.log().count("connected, with"), self.log())
 
     def test_requeued_it_traces_no_finished_tile_again(self):

@@ -107,6 +107,7 @@ def rays(n=6_000_000):
     return origins, (0, -1, .1)
 """
 _TRACER = "t = ground(500).tracer(); o, d = rays()"
+_INTERSECTOR = "m = compat.MeshIntersector(*grid(500)); o, d = rays(); d = np.tile(d, (len(o), 1))"
 _HITS = "t = ground(500).tracer(); h = t.intersect(*rays(4_000_000))"
 
 #: Calls that can take long, and whose lock and Ctrl-C are looked at.
@@ -148,10 +149,8 @@ LARGE = {
     "Mesh.is_closed": [Large("m = ts.Mesh(*grid(1500))", "m.is_closed")],
     "Mesh.merge_vertices": [Large("m = ts.Mesh(*grid(500))", "m.merge_vertices(1e-5)")],
     "Mesh.open_edges": [Large("m = ts.Mesh(*grid(1500))", "m.open_edges()")],
-    "MeshIntersector.intersects_any": [
-        Large("m = compat.MeshIntersector(*grid(500)); o, d = rays()", "m.intersects_any(o, d)")],
-    "MeshIntersector.intersects_first": [
-        Large("m = compat.MeshIntersector(*grid(500)); o, d = rays()", "m.intersects_first(o, d)")],
+    "MeshIntersector.intersects_any": [Large(_INTERSECTOR, "m.intersects_any(o, d)")],
+    "MeshIntersector.intersects_first": [Large(_INTERSECTOR, "m.intersects_first(o, d)")],
     "Scene.check": [Large("s = ground()", "s.check()")],
     "Scene.digest": [Large("s = spheres(150_000)", "s.digest")],
     "Scene.find": [Large("s = spheres(100_000)", "s.find('99999')")],
