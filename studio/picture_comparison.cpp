@@ -45,8 +45,9 @@ SendText pinned_answer(const PinPicture& order, const Film* film) {
 
 nlohmann::json comparison_json(const Film& picture, const Film& reference) {
   if (picture.rect() != reference.rect()) {
-    return {{"why", fmt::format("sizes differ: {}x{} is shown, {}x{} is pinned", picture.width(),
-                                picture.height(), reference.width(), reference.height())}};
+    return {{"why", fmt::format("sizes differ: {}x{} is shown, {}x{} is pinned; pin it anew",
+                                picture.width(), picture.height(), reference.width(),
+                                reference.height())}};
   }
   const Picture a = light_of(picture), b = light_of(reference);
   const Difference difference = light_difference(a, b);

@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::seconds kPatience{600};  // the machine may be busy
 constexpr std::chrono::milliseconds kLongestWait{100};
 
 template <class Number>

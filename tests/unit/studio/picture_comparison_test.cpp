@@ -41,7 +41,7 @@ TEST(PictureComparison, EqualPicturesDifferByNothing) {
 
 TEST(PictureComparison, SaysWhyPicturesOfTwoSizesAreNotCompared) {
   const nlohmann::json told = comparison_json(*film_of(1), *film_of(1, {0, 0, 5, 3}));
-  EXPECT_EQ(told["why"], "sizes differ: 4x3 is shown, 5x3 is pinned");
+  EXPECT_EQ(told["why"], "sizes differ: 4x3 is shown, 5x3 is pinned; pin it anew");
   EXPECT_FALSE(told.contains("rmse"));
 }
 
