@@ -101,10 +101,10 @@ class Places(TesseraTest):
 
     def test_errors_of_building_are_located_in_json(self):
         for place, text in [
-                ("2:33", '{"nodes": [{}, {"shape": {"sphere":\n  {"center": {"x": 1}, "radius": -1}}}]}'),
-                ("1:38", '{"nodes": [{"shape": {"materials": ["rde"], "sphere": {"radius": 1}}}]}'),
-                ("2:2", '{"nodes": [{"shape":\n {"rectangle": {"edgeU": {"x": 1}, "edgeV": {"x": 2}}}}]}'),
-                ("1:13", '{"nodes": [{"instanceOf": "p"}]}')]:
+                ("2:34", '{"nodes": [{}, {"shape": {"sphere":\n  {"center": {"x": 1}, "radius": -1}}}]}'),
+                ("1:37", '{"nodes": [{"shape": {"materials": ["rde"], "sphere": {"radius": 1}}}]}'),
+                ("2:16", '{"nodes": [{"shape":\n {"rectangle": {"edgeU": {"x": 1}, "edgeV": {"x": 2}}}}]}'),
+                ("1:27", '{"nodes": [{"instanceOf": "p"}]}')]:
             scene = self.write("s.json", text)
             for command in (["info"], ["render", *SMALL]):
                 with self.subTest(text=text, command=command[0]):
