@@ -25,7 +25,7 @@ namespace HWY_NAMESPACE {
 #include "renderer/shading/light-inl.h"
 #include "renderer/shading/panorama-inl.h"
 
-/// sample_light() of a light with a beam, point by point.
+/// sample_light() of a light of any kind, point by point.
 inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes path_length,
                               LightSample& sample) {
   const Stored3 points(point);
@@ -49,7 +49,7 @@ inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes pat
 /// sample_light(); a bit for each point that it reaches.
 HWY_INLINE uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
                            LightSample& sample) {
-  if (light.has_beam()) return sample_shaped(light, point, path_length, sample);
+  if (!light.is_even()) return sample_shaped(light, point, path_length, sample);
   if (!light.is_placed()) {
     sample = {broadcast(-light.direction), broadcast(std::numeric_limits<double>::infinity()),
               broadcast(1)};

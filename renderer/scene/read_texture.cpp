@@ -120,6 +120,52 @@ BlobData find_texels(const Where& where, const v1::Texture::Image& in,
   return texels;
 }
 
+void read_noise(const Where& where, const v1::Texture::Noise& in, Texture& out) {
+  constexpr uint32_t kMostOctaves = 16;
+  constexpr double kLargest = 1e9;
+  out.kind = TextureKind::noise;
+  switch (in.kind()) {
+    case v1::Texture::Noise::TURBULENCE:
+      out.noise = NoiseKind::turbulence;
+      break;
+    case v1::Texture::Noise::MARBLE:
+      out.noise = NoiseKind::marble;
+      break;
+    case v1::Texture::Noise::WOOD:
+      out.noise = NoiseKind::wood;
+      break;
+    default:
+      out.noise = NoiseKind::perlin;
+      break;
+  }
+  if (in.has_low()) out.low = checked(where, "noise.low", in.low());
+  if (in.has_high()) out.high = checked(where, "noise.high", in.high());
+  if (in.has_frequency()) {
+    out.frequency = checked(where, "noise.frequency", in.frequency(),
+                            {.min = 0, .max = kLargest, .above_min = true});
+  }
+  if (in.has_octaves()) out.octaves = whole(where, "noise.octaves", in.octaves(), 1, kMostOctaves);
+  if (in.has_strength()) {
+    out.strength = checked(where, "noise.strength", in.strength(), {.min = 0, .max = kLargest});
+  }
+}
+
+void read_gradient(const Where& where, const v1::Texture::GradientRamp& in, Texture& out) {
+  out.kind = TextureKind::gradient;
+  if (in.positions().empty() || in.positions_size() != in.colors_size()) {
+    fail_value(
+        where, "the number of gradient.positions", std::to_string(in.positions_size()),
+        fmt::format("one for each of the {} gradient.colors, and at least one", in.colors_size()));
+  }
+  for (int i = 0; i < in.positions_size(); ++i) {
+    const bool first = i == 0;
+    out.positions.push_back(
+        checked(where, "gradient.positions", in.positions(i),
+                {.min = first ? 0 : in.positions(i - 1), .max = 1, .above_min = !first}));
+    out.colors.push_back(checked(where, "gradient.colors", in.colors(i)));
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const ImageTexture> read_image_texture(const Where& where,
@@ -164,49 +210,14 @@ void read_mapping(const Where& where, const v1::Texture& in, Texture& out) {
   }
 }
 
-void read_noise(const Where& where, const v1::Texture::Noise& in, Texture& out) {
-  constexpr uint32_t kMostOctaves = 16;
-  constexpr double kLargest = 1e9;
-  out.kind = TextureKind::noise;
-  switch (in.kind()) {
-    case v1::Texture::Noise::TURBULENCE:
-      out.noise = NoiseKind::turbulence;
-      break;
-    case v1::Texture::Noise::MARBLE:
-      out.noise = NoiseKind::marble;
-      break;
-    case v1::Texture::Noise::WOOD:
-      out.noise = NoiseKind::wood;
-      break;
+void read_pattern(const Where& where, const v1::Texture& in, Texture& out) {
+  switch (in.kind_case()) {
+    case v1::Texture::kNoise:
+      return read_noise(where, in.noise(), out);
+    case v1::Texture::kGradient:
+      return read_gradient(where, in.gradient(), out);
     default:
-      out.noise = NoiseKind::perlin;
-      break;
-  }
-  if (in.has_low()) out.low = checked(where, "noise.low", in.low());
-  if (in.has_high()) out.high = checked(where, "noise.high", in.high());
-  if (in.has_frequency()) {
-    out.frequency = checked(where, "noise.frequency", in.frequency(),
-                            {.min = 0, .max = kLargest, .above_min = true});
-  }
-  if (in.has_octaves()) out.octaves = whole(where, "noise.octaves", in.octaves(), 1, kMostOctaves);
-  if (in.has_strength()) {
-    out.strength = checked(where, "noise.strength", in.strength(), {.min = 0, .max = kLargest});
-  }
-}
-
-void read_gradient(const Where& where, const v1::Texture::GradientRamp& in, Texture& out) {
-  out.kind = TextureKind::gradient;
-  if (in.positions().empty() || in.positions_size() != in.colors_size()) {
-    fail_value(
-        where, "the number of gradient.positions", std::to_string(in.positions_size()),
-        fmt::format("one for each of the {} gradient.colors, and at least one", in.colors_size()));
-  }
-  for (int i = 0; i < in.positions_size(); ++i) {
-    const bool first = i == 0;
-    out.positions.push_back(
-        checked(where, "gradient.positions", in.positions(i),
-                {.min = first ? 0 : in.positions(i - 1), .max = 1, .above_min = !first}));
-    out.colors.push_back(checked(where, "gradient.colors", in.colors(i)));
+      fail_value(where, "its kind", "missing", "image, checker, noise or gradient");
   }
 }
 

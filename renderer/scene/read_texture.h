@@ -18,7 +18,7 @@ std::shared_ptr<const ImageTexture> read_image_texture(const Where& where,
                                                        const BlobStore& blobs);
 /// Mapping and transform.
 void read_mapping(const Where& where, const v1::Texture& texture, Texture& out);
-void read_noise(const Where& where, const v1::Texture::Noise& noise, Texture& out);
-void read_gradient(const Where& where, const v1::Texture::GradientRamp& gradient, Texture& out);
+/// A kind that needs neither files nor other textures.
+void read_pattern(const Where& where, const v1::Texture& texture, Texture& out);
 
 }  // namespace tessera

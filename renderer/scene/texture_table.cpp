@@ -81,14 +81,8 @@ uint32_t TextureTable::use(const Where& where, std::string_view field, const std
       out.even = read(place, "checker.even", in.checker().even(), kWhite);
       active_.pop_back();
       break;
-    case v1::Texture::kNoise:
-      read_noise(place, in.noise(), out);
-      break;
-    case v1::Texture::kGradient:
-      read_gradient(place, in.gradient(), out);
-      break;
-    case v1::Texture::KIND_NOT_SET:
-      fail_value(place, "its kind", "missing", "image, checker, noise or gradient");
+    default:
+      read_pattern(place, in, out);
   }
   const auto index = static_cast<uint32_t>(textures_.size());
   const bool by_second = out.mapping == TextureMapping::second_uv;

@@ -47,8 +47,8 @@ struct Light {
 
   /// Whether all of it comes from `position`; else it comes along `direction`.
   bool is_placed() const { return kind == LightKind::point || kind == LightKind::spot; }
-  /// Whether it goes out within a beam alone.
-  bool has_beam() const { return kind == LightKind::spot || kind == LightKind::cylinder; }
+  /// Whether it goes out in all directions alike, from a point or along one direction.
+  bool is_even() const { return kind == LightKind::point || kind == LightKind::directional; }
 };
 
 #include "renderer/shading/light-inl.h"
