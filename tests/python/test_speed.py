@@ -1,5 +1,6 @@
 """What the speed of the package rests on and can be counted: copies, bytes sent, memory. Times are
-measured by tests/bench/python_speed.py and python_rays.py, which are run here with tiny sizes."""
+measured by tests/bench/python_speed.py, python_rays.py and winding_holes.py, which are run here with
+tiny sizes."""
 import json
 import os
 import pathlib
@@ -120,6 +121,23 @@ def test_the_benchmark_of_rays_runs(tmp_path):
             assert f"P5 {scene}, {kind}" in names
     for other in ("the loop of tessera bench rays", "one thread, by two", "mathutils.bvhtree"):
         assert f"P5 of {other}: least" in names
+
+
+def test_the_benchmark_of_winding_numbers_runs(tmp_path):
+    """A cube that is whole, one that lacks a triangle, and one that lacks two sides."""
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [(side[0], *side[i:i + 2]) for side in sides for i in (1, 2)]
+    for name, kept in (("whole", triangles), ("hole", triangles[1:]), ("open", triangles[4:])):
+        lines = ["v {} {} {}".format(*corner) for corner in np.ndindex(2, 2, 2)]
+        lines += ["f {} {} {}".format(*(corner + 1 for corner in triangle)) for triangle in kept]
+        (tmp_path / f"{name}.obj").write_text("\n".join(lines))
+    done = subprocess.run([sys.executable, "-B", BENCH / "winding_holes.py", *sorted(tmp_path.glob("*.obj")),
+                           "--points", "2000", "--rounds", "1"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "| hole | 11 | 3 | 1 | 100.000% | 100.000% |" in done.stdout
+    assert "of 1 meshes " in done.stdout
+    assert "left out whole: it is closed" in done.stdout
+    assert "left out open: the fans' area is 50% of the triangles'" in done.stdout
 
 
 @pytest.mark.parametrize("value, limit, is_missed", [
