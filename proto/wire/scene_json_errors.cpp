@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <set>
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/scene_codec.h"
@@ -131,10 +132,12 @@ class SceneJson {
   void array(const pb::FieldDescriptor* field, const std::string& path, int depth) {
     expect('[', "'['");
     if (take(']')) return;
-    for (int i = 0;; ++i) {
+    for (int i = 0;;) {
       skip_space();
       if (at_ < text_.size() && text_[at_] == '[') fail("a list in a list", "a value");
+      const bool counts = !text_.substr(at_).starts_with("null");  // else it is left out
       value(field, fmt::format("{}[{}]", path, i), depth);
+      i += counts;
       if (take(']')) return;
       expect(',', "',' or ']'");
     }
@@ -154,6 +157,7 @@ class SceneJson {
   void object(const pb::Descriptor* type, const std::string& path, int depth) {
     expect('{', "'{'");
     if (take('}')) return;
+    std::set<std::string> given;
     for (;;) {
       skip_space();
       const size_t at = at_;
@@ -161,6 +165,8 @@ class SceneJson {
       const auto* field = field_of(type, key, at);
       expect(':', "':'");
       const std::string& name = field ? field->name() : key;
+      if (!given.insert(name).second)
+        note(at, fmt::format("'{}' is given twice", key), "each field once");
       value(field, path.empty() ? name : path + "." + name, depth);
       if (take('}')) return;
       expect(',', "',' or '}'");

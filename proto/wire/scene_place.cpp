@@ -199,7 +199,9 @@ SourcePlace place_in_text(const std::string& file, std::string_view text, std::s
     int index = -1;
     if (open < step.size())
       std::from_chars(step.data() + open + 1, step.data() + step.size(), index);
-    const pb::TextFormat::ParseLocation here = inside->GetLocation(field, index);
+    pb::TextFormat::ParseLocation here = inside->GetLocation(field, index);
+    // Of values in one list the parser tells where the list is.
+    for (int i = index - 1; here.line < 0 && i >= 0; --i) here = inside->GetLocation(field, i);
     if (here.line >= 0) at = here;
     inside = inside->GetTreeForNested(field, index);
     type = field->message_type();

@@ -10,7 +10,7 @@ namespace tessera {
 /// Up to 16 planes in world space, which a ray is held against all at once, by the arithmetic of
 /// Plane::intersect() and so to its bits.
 struct PlaneSoA {
-  static constexpr size_t kMost = 16;
+  static constexpr size_t kMost = 16;  ///< a multiple of the lanes of every instruction set
   /// Fewer take less one by one.
   static constexpr size_t kLeast = 4;
 

@@ -49,7 +49,7 @@ inline uint32_t sample_shaped(const Light& light, const Lanes3& point, Lanes pat
 /// sample_light(); a bit for each point that it reaches.
 HWY_INLINE uint32_t sample(const Light& light, const Lanes3& point, Lanes path_length,
                            LightSample& sample) {
-  if (!light.is_even()) return sample_shaped(light, point, path_length, sample);
+  if (!light.is_point_or_directional()) return sample_shaped(light, point, path_length, sample);
   if (!light.is_placed()) {
     sample = {broadcast(-light.direction), broadcast(std::numeric_limits<double>::infinity()),
               broadcast(1)};

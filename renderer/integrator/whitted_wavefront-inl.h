@@ -366,11 +366,16 @@ class WhittedWavefront : public Wavefront<WhittedRays> {
     return bundle.lit != 0;
   }
 
-  /// tessera::reflected_share() in the lanes that are lit: of all at once where it is the cosine.
+  /// tessera::reflected_share() in the lanes that are lit: in one go where it is by the cosine
+  /// alone.
   static Lanes3 reflected_share(const HitBundle& bundle, const Material& material,
                                 const Lanes3& wi) {
-    if (material.diffuse_model == DiffuseModel::lambert && tessera::is_black(material.specular))
-      return bundle.diffuse * maximum(dot(bundle.normal, wi), num(0));
+    if (material.diffuse_model != DiffuseModel::half_lambert &&
+        tessera::is_black(material.specular)) {
+      const Lanes n_dot_l = dot(bundle.normal, wi);
+      const bool is_signed = material.diffuse_model != DiffuseModel::lambert;
+      return bundle.diffuse * (is_signed ? n_dot_l : maximum(n_dot_l, num(0)));
+    }
     const Stored3 diffuse(bundle.diffuse), normals(bundle.normal), lights(wi),
         ways(-bundle.direction);
     Stored3 shares(num_color(0));

@@ -47,8 +47,10 @@ struct Light {
 
   /// Whether all of it comes from `position`; else it comes along `direction`.
   bool is_placed() const { return kind == LightKind::point || kind == LightKind::spot; }
-  /// Whether it goes out in all directions alike, from a point or along one direction.
-  bool is_even() const { return kind == LightKind::point || kind == LightKind::directional; }
+  /// Whether it is as strong in every direction that it goes out in.
+  bool is_point_or_directional() const {
+    return kind == LightKind::point || kind == LightKind::directional;
+  }
 };
 
 #include "renderer/shading/light-inl.h"

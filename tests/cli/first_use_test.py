@@ -85,6 +85,7 @@ class Places(TesseraTest):
         for place, text in [
                 ("1:17", 'nodes { shape { materials: "rde" sphere { radius: -1 } } }\n'),
                 ("2:26", red + 'nodes { shape { sphere { radius: -1 } } }\n'),
+                ("2:17", red + 'nodes { shape { materials: ["red", "rde"] box { max { x: 1 y: 1 z: 1 } } } }\n'),
                 ("3:41", red + 'nodes { name: "hall"\n  children { } children { shape { box { min '
                  '{ x: 3 } } } }\n}\n'),
                 ("2:28", 'objects { name: "o"\n  nodes { shape { sphere { radius: -1 } } }\n}\n'

@@ -2,7 +2,7 @@
 """Sessions of odd use in a browser, drawn at random: typing, undoing, orbits, killed workers, reloads, stops, crashes
 and saving. After each step the text is that of a model, and at the end file and picture are.
 
-TESSERA_STUDIO_SESSIONS=500 asks for so many, TESSERA_STUDIO_SESSION=N repeats the one of that number."""
+TESSERA_STUDIO_SESSIONS=500 asks for so many, some minutes for ten; TESSERA_STUDIO_SESSION=N repeats that one."""
 import os
 import random
 import re
@@ -30,6 +30,7 @@ class Session:
         before = self.text[:offset]
         self.page.click_on(".cm-scroller")
         self.page.press("Ctrl-Home")
+        self.page.wait_for_frames()  # long lines are scrolled back with the next one, and Down goes by what is seen
         self.page.press("Down", before.count("\n"))
         self.page.press("Right", len(before) - (before.rfind("\n") + 1))
 
@@ -56,6 +57,7 @@ class Session:
         self.replace(at, at, wrong)
         self.test.until(self.page, lambda state: state["problems"], "it is told to be wrong")
         self.replace(at, at + 1, "")
+        self.test.until(self.page, lambda state: not state["problems"], "it is right again")
 
     def paste(self):
         lines = "".join(f"# line {self.random.randrange(100)}\n" for _ in range(self.random.randint(1, 30)))
@@ -64,29 +66,31 @@ class Session:
         self.text = lines + self.text
 
     def undo_and_redo(self):
-        self.page.click_on(".cm-scroller")
+        self.write_a_comment()
         times = self.random.randint(1, 3)
         self.page.press("Ctrl-Z", times)
+        wait_until(lambda: self.page.script != self.text, "it is undone")
         self.page.press("Ctrl-Shift-Z", times)
 
     def orbit(self):
         x, y = self.page.middle(".view-frame")
         self.page.drag((x, y), (x + self.random.randint(-80, 80), y + self.random.randint(-30, 30)))
         self.page.wheel(x, y, self.random.choice((-1, 1)))
+        self.test.until(self.page, lambda state: state["camera"]["mode"] == "free", "the camera is moved")
 
     def kill_a_worker(self):
-        workers = [each for each in marked_processes(self.test.mark) if is_worker(each)]
-        if workers:
-            os.kill(self.random.choice(workers), signal.SIGKILL)
+        workers = wait_until(lambda: [each for each in marked_processes(self.test.mark) if is_worker(each)],
+                             "there are workers")
+        os.kill(self.random.choice(workers), signal.SIGKILL)
 
     def reload(self):
-        """What was typed is kept for a second at most before it is."""
-        self.until_sent()
+        """Of what is saved: else the browser asks first."""
+        self.save()
         self.page.reload()
         self.test.until(self.page, lambda state: state["connection"] == "open" and state["file"], "it is there again")
 
     def close_the_laptop(self):
-        """Typing goes on until the lid is closed; program and browser stand still, and go on."""
+        """The program stands still while a word is typed."""
         self.test.running.process.send_signal(signal.SIGSTOP)
         try:
             self.write_a_comment()
@@ -108,9 +112,7 @@ class Session:
     def save(self):
         self.page.press("Ctrl-S")
         wait_until(lambda: self.test.saved() == self.text, "it is saved")
-
-    def until_sent(self):
-        self.test.until_final(self.page)
+        self.test.until(self.page, lambda state: not state["dirty"], "the page knows")
 
     def check(self, did):
         wait_until(lambda: self.page.script == self.text or None, f"after {did} the text is what was typed")
@@ -133,9 +135,8 @@ class Session:
 
 
 class Sessions(StudioPageTest):
-    def test_text_file_and_picture_are_the_models(self):
-        for number in SESSIONS:
-            with self.subTest(session=number):
-                Session(self, number).run()
-                self.pages.pop().close()
-                self.end_studio(self.running)
+    """Has a test for each session."""
+
+
+for number in SESSIONS:
+    setattr(Sessions, f"test_session_{number}", lambda self, number=number: Session(self, number).run())

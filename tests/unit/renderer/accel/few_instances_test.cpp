@@ -186,7 +186,7 @@ TEST(FewInstances, PlanesAtOnceAreHitAsOneByOne) {
     UniformNumbers random(seed);
     const auto between = [&](double a, double b) { return random.between(a, b); };
     const double size = std::exp2(between(-20, 20));
-    // More than fit into a batch, too.
+    // More than fit into a PlaneSoA, too.
     const auto instances = planes_and_balls(random, 4 + static_cast<int>(seed % 20), size);
     const InstanceLinearScan scan(instances);
     std::vector<FewInstances> few;

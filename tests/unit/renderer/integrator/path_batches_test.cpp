@@ -246,7 +246,7 @@ TEST_P(RandomPathBatches, FollowEachPathAsItIsFollowedAlone) {
   EXPECT_GT(even, 12u);
   EXPECT_GT(sampled, 6u);
   EXPECT_GT(hits, 1'250u);
-  EXPECT_GT(shadows, 625u);
+  EXPECT_GT(shadows, 300u);
   EXPECT_GT(ended, 37u);
 }
 
