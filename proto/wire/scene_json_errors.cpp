@@ -132,12 +132,12 @@ class SceneJson {
   void array(const pb::FieldDescriptor* field, const std::string& path, int depth) {
     expect('[', "'['");
     if (take(']')) return;
-    for (int i = 0;;) {
+    for (int i = 0;; ++i) {
       skip_space();
       if (at_ < text_.size() && text_[at_] == '[') fail("a list in a list", "a value");
-      const bool counts = !text_.substr(at_).starts_with("null");  // else it is left out
+      // Protobuf would leave it out, and count the others anew.
+      if (text_.substr(at_).starts_with("null")) note(at_, "null", "a value");
       value(field, fmt::format("{}[{}]", path, i), depth);
-      i += counts;
       if (take(']')) return;
       expect(',', "',' or ']'");
     }

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <functional>
 
+#include "base/plain_text.h"
 #include "proto/wire/scene_errors.h"
 
 namespace tessera {
@@ -106,7 +107,7 @@ class Finder {
     const std::string name =
         field ? part.message->GetReflection()->GetString(*part.message, field) : "";
     if (!name.empty()) {
-      step += fmt::format(" '{}'", name);
+      step += fmt::format(" '{}'", escape_controls(name));
     } else if (index >= 0 && !text.substr(step.size()).starts_with(": ")) {
       // Cameras are not numbered; of several without a name none is found.
       step += fmt::format(" {}", index + 1);
@@ -158,7 +159,7 @@ class Finder {
     const pb::Reflection& reflection = *part.message->GetReflection();
     for (int i = 0; i < reflection.FieldSize(*part.message, field); ++i) {
       const std::string name = reflection.GetRepeatedString(*part.message, field, i);
-      if (text.substr(kind.size()).starts_with(" '" + name + "' ")) {
+      if (text.substr(kind.size()).starts_with(" '" + escape_controls(name) + "' ")) {
         return path_to(part.path, *field, i);
       }
     }

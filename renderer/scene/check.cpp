@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/plain_text.h"
 
 namespace tessera {
 
@@ -27,7 +28,7 @@ bool is_inside(double value, const Range& range) {
 
 std::string Where::str() const {
   const std::string before = parent ? parent->str() + " > " : "";
-  if (!name.empty()) return fmt::format("{}{} '{}'", before, kind, name);
+  if (!name.empty()) return fmt::format("{}{} '{}'", before, kind, escape_controls(name));
   return index < 0 ? before + kind : fmt::format("{}{} {}", before, kind, index + 1);
 }
 

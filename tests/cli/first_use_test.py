@@ -94,6 +94,7 @@ class Places(TesseraTest):
                  'nodes { shape { materials: "m" sphere { } } }\n'),
                 ("2:11", 'nodes {\n  light { spot { } }\n}\n'),
                 ("1:25", 'cameras { perspective { field_of_view: 200 } }\n'),
+                ("1:39", 'nodes { name: "a\\tb" shape { sphere { radius: -1 } } }\n'),
                 ("1:9", 'nodes { instance_of: "p" }\n')]:
             scene = self.write("s.tessera", text)
             for command in (["info"], ["render", *SMALL]):
