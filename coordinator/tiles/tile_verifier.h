@@ -34,7 +34,8 @@ class TileVerifier {
   void note_rows(uint32_t tile, WorkerId worker);
   /// Whose rows a tile has, or may have.
   const std::vector<WorkerId>& traced_by(uint32_t tile) const { return traced_by_[tile]; }
-  /// Tiles of which that is true of that worker or, with `by_voter`, of any of the same voter.
+  /// Tiles that have, or may have, rows of that worker or, with `by_voter`, of any of the same
+  /// voter.
   std::vector<uint32_t> tiles_of(WorkerId worker, bool by_voter = false) const;
   /// The tile is complete, and these rows came again, with the same bits. True once all of `tile`'s
   /// rows came so from this worker, and it is another voter's than those that traced it.

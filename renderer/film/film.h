@@ -32,7 +32,7 @@ class Film {
   /// width x height x channels values, rows from the top.
   std::span<const float> values() const { return {values_.get(), size_}; }
   std::span<float> values() { return {values_.get(), size_}; }
-  /// A copy with `aovs` alone, all of which it has.
+  /// A copy with `aovs` alone, which it has to have.
   Film with_only(AovSet aovs) const;
   /// SHA-256 of its light as little-endian bytes, whatever is beside it.
   std::string pixels_sha256() const;

@@ -7,7 +7,7 @@ TESSERA_INLINE void keep_point(Num3& point, Num3& error) {
   const Num3 size = abs(point) * num(gamma(4));
   error = error * num(gamma(3) + 1) + size + size;
 }
-/// The same of a normal, of which normalize() makes the other.
+/// What moved_normal() makes of a normal under the identity, once it is normalized.
 TESSERA_INLINE Num3 kept_normal(const Num3& normal) {
   const Num3 n = normal + Num3{num(0), num(0), num(0)};
   const NumMask is_unit = dot(n, n) == num(1);

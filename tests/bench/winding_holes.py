@@ -108,7 +108,7 @@ def filled(positions, triangles, most_filled):
 
 
 def halved(corners, longest):
-    """The triangles, (n, 3, 3), in parts of which no edge is longer."""
+    """The triangles, (n, 3, 3), cut into parts whose edges are no longer."""
     done = []
     while len(corners):
         edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)

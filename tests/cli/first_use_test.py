@@ -80,6 +80,12 @@ class Names(TesseraTest):
 
 
 class Places(TesseraTest):
+    def assert_located(self, name, text, place):
+        scene = self.write(name, text)
+        for command in (["info"], ["render", *SMALL]):
+            with self.subTest(text=text, command=command[0]):
+                self.assert_error(self.run_program(*command, scene), 1, f"{name}:{place}: ")
+
     def test_errors_of_building_are_located(self):
         red = 'materials { name: "red" classic { } }\n'
         for place, text in [
@@ -96,10 +102,7 @@ class Places(TesseraTest):
                 ("1:25", 'cameras { perspective { field_of_view: 200 } }\n'),
                 ("1:39", 'nodes { name: "a\\tb" shape { sphere { radius: -1 } } }\n'),
                 ("1:9", 'nodes { instance_of: "p" }\n')]:
-            scene = self.write("s.tessera", text)
-            for command in (["info"], ["render", *SMALL]):
-                with self.subTest(text=text, command=command[0]):
-                    self.assert_error(self.run_program(*command, scene), 1, f"s.tessera:{place}: ")
+            self.assert_located("s.tessera", text, place)
 
     def test_errors_of_building_are_located_in_json(self):
         for place, text in [
@@ -107,10 +110,7 @@ class Places(TesseraTest):
                 ("1:37", '{"nodes": [{"shape": {"materials": ["rde"], "sphere": {"radius": 1}}}]}'),
                 ("2:16", '{"nodes": [{"shape":\n {"rectangle": {"edgeU": {"x": 1}, "edgeV": {"x": 2}}}}]}'),
                 ("1:27", '{"nodes": [{"instanceOf": "p"}]}')]:
-            scene = self.write("s.json", text)
-            for command in (["info"], ["render", *SMALL]):
-                with self.subTest(text=text, command=command[0]):
-                    self.assert_error(self.run_program(*command, scene), 1, f"s.json:{place}: ")
+            self.assert_located("s.json", text, place)
 
     def test_no_place_is_better_than_a_wrong_one(self):
         twice = 'nodes { name: "a" shape { sphere { radius: 1 } } }\n'
