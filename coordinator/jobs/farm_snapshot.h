@@ -25,7 +25,7 @@ struct FarmSnapshot {
     uint64_t tiles_done = 0, tiles_total = 0, tiles_restored = 0;
     int width = 0, height = 0;                          ///< of what is rendered: the crop's
     double elapsed_seconds = 0, remaining_seconds = 0;  ///< remaining < 0: not known
-    double worker_seconds = 0;                          ///< that it has had
+    double worker_seconds = 0;                          ///< of threads, that its tiles have taken
     int exit_code = 0;      ///< of ExitCode; of no meaning before its end
     std::string failure;    ///< why it failed, or what its held frames lack
     std::string waits_for;  ///< as of JobStatus

@@ -24,18 +24,23 @@ uint64_t total(const v1::JobEnd& end, const char* name) {
   return it == end.totals().values().end() ? 0 : it->second;
 }
 
-/// What a store says of how long a job was worked on.
-double worked_seconds_of(const v1::KeptJob& kept) {
-  double seconds = kept.worked_seconds();
+/// What a store says last of seconds that only grow.
+double last_of(const v1::KeptJob& kept, double (v1::KeptJob::*of_job)() const,
+               double (v1::JobEnd::*of_end)() const) {
+  double seconds = (kept.*of_job)();
   for (const v1::KeptJob::End& end : kept.ends()) {
-    seconds = std::max(seconds, end.end().worked_seconds());
+    seconds = std::max(seconds, (end.end().*of_end)());
   }
   return std::isfinite(seconds) && seconds > 0 ? seconds : 0;
 }
 
 }  // namespace
 
-Job::Job(v1::KeptJob kept) : kept_(std::move(kept)), meter_(worked_seconds_of(kept_)) {
+Job::Job(v1::KeptJob kept)
+    : kept_(std::move(kept)),
+      meter_(last_of(kept_, &v1::KeptJob::worked_seconds, &v1::JobEnd::worked_seconds)),
+      traced_in_earlier_runs_(
+          last_of(kept_, &v1::KeptJob::traced_seconds, &v1::JobEnd::traced_seconds)) {
   const v1::SubmitJob& request = kept_.request();
   ends_.resize(static_cast<size_t>(request.frames_size()));
   tiles_per_frame_ =

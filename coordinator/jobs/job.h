@@ -115,7 +115,6 @@ class Job {
   double share() const;
   /// Starts level with others that have been there for longer.
   void catch_up(double share);
-  double worker_seconds() const { return worker_seconds_; }
 
   /// Of the frame that ended last.
   std::optional<TileCosts>& last_costs() { return last_costs_; }
@@ -126,6 +125,8 @@ class Job {
   JobProgress progress(Time now, bool works) const;
   /// The seconds for which it was worked on until account() was called last.
   double worked_seconds() const { return meter_.seconds(counted_until_, false); }
+  /// The seconds of threads that its tiles have taken, copies that were not needed apart.
+  double traced_seconds() const { return traced_in_earlier_runs_ + traced().seconds; }
   uint64_t tiles_restored() const;
   size_t leases() const;
 
@@ -158,6 +159,7 @@ class Job {
   bool begun_ = false;
   WorkMeter meter_;
   TileWork traced_before_;               ///< in frames that are not being traced any more
+  double traced_in_earlier_runs_ = 0;
   std::map<uint32_t, uint64_t> stored_;  ///< tiles, by frame
   std::map<uint32_t, Hold> holds_;       ///< by frame
   std::map<uint32_t, int> pauses_;       ///< by frame

@@ -135,7 +135,7 @@ FarmSnapshot::Job describe(const Job& job, const OpenJob& open, const FarmState&
   shown.height = status.crop().y1() - status.crop().y0();
   shown.elapsed_seconds = status.elapsed_seconds();
   shown.remaining_seconds = status.remaining_seconds();
-  shown.worker_seconds = job.worker_seconds();
+  shown.worker_seconds = job.traced_seconds();
   shown.exit_code = static_cast<int>(status.exit_code());
   shown.failure = printable(job.ended() ? status.failure() : job.hold_cause());
   shown.waits_for = status.waits_for();

@@ -303,6 +303,7 @@ Job* JobTable::find_submission(uint64_t submission) {
 v1::KeptJob JobTable::kept_now(const Job& job) {
   v1::KeptJob kept = job.kept();
   kept.set_worked_seconds(job.worked_seconds());
+  kept.set_traced_seconds(job.traced_seconds());
   return kept;
 }
 

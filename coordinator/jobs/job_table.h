@@ -124,8 +124,8 @@ class JobTable {
   /// Tries again to keep what the store did not take.
   void keep_rest();
   /// Keeps how long jobs were worked on, of each for which that is at least so much more than what
-  /// is kept of it.
-  void keep_times(Time least);
+  /// is kept of it, and at least so large a share more.
+  void keep_times(Time least, double least_share);
   /// As JobStore::tidy().
   void tidy() { store_->tidy(); }
 

@@ -466,6 +466,7 @@ void JobTable::end_local(Job& job, uint32_t frame, JobResult result) {
 
 void JobTable::file_end(Job& job, uint32_t frame, v1::JobEnd end) {
   end.set_worked_seconds(job.worked_seconds());
+  end.set_traced_seconds(job.traced_seconds());
   log_end(job, frame, end);
   v1::KeptJob::End kept;
   kept.set_frame(frame);
@@ -492,11 +493,12 @@ void JobTable::keep_rest() {
   }
 }
 
-void JobTable::keep_times(Time least) {
+void JobTable::keep_times(Time least, double least_share) {
   try {
     for (const auto& [id, job] : open_) {
-      const double more = job->worked_seconds() - job->kept().worked_seconds();
-      if (job->local() || !(more > 0) || more < to_seconds(least)) continue;
+      const double kept = job->kept().worked_seconds(), more = job->worked_seconds() - kept;
+      if (job->local() || !(more > 0)) continue;
+      if (more < std::max(to_seconds(least), kept * least_share)) continue;
       v1::KeptJob changed = kept_now(*job);
       store_->save(changed);
       job->kept() = std::move(changed);

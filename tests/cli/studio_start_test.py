@@ -152,6 +152,13 @@ class Start(StudioPageTest):
         self.assertEqual("scene", state["camera"]["mode"])
         wait_until(lambda: self.kept_workspace().get("open") == ["one.tessera", "two.tessera"], "what is gone is not kept")
 
+    def test_what_is_open_comes_back_whenever_the_page_is_loaded_again(self):
+        page = self.begin()
+        for key in ("Down", "Up") * 3:
+            page.press(key)
+        page.reload()
+        self.until(page, lambda state: state["file"] == "scene.tessera", "it is in the editor again")
+
     def test_the_file_that_the_program_is_started_with_is_in_front_of_those_of_before(self):
         for name in ("one.tessera", "two.tessera"):
             self.scene(name)

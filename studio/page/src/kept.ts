@@ -10,6 +10,7 @@ const KEEP_MS = 1000;
 /** One object that the program keeps. */
 export class Kept<K extends "settings" | "workspace"> {
   private kept: string | undefined;
+  private due: ReturnType<typeof setTimeout> | undefined;
 
   /** `current` tells it from signals; nothing while it is not to be kept. */
   constructor(
@@ -22,16 +23,25 @@ export class Kept<K extends "settings" | "workspace"> {
     this.kept = JSON.stringify(this.current()) ?? "";
   }
 
-  /** Has the program keep what changed, a while after the last change. */
+  /** Has the program keep what changed, a while after the first change, and before the page goes. */
   watch(): void {
-    let due: ReturnType<typeof setTimeout> | undefined;
     effect(() => {
-      const text = JSON.stringify(this.current());
-      clearTimeout(due);
-      if (this.kept === undefined || text === undefined || text === this.kept || state.welcome.peek()?.read_only) return;
-      due = setTimeout(() => {
-        if (program.send(this.kind, JSON.parse(text) as ToProgram[K])) this.kept = text;
-      }, KEEP_MS);
+      void state.connection.value; // what could not be sent is sent once the program is there again
+      if (this.news() !== undefined) this.due ??= setTimeout(() => this.send(), KEEP_MS);
     });
+    window.addEventListener("beforeunload", () => this.send());
+  }
+
+  private send(): void {
+    clearTimeout(this.due);
+    this.due = undefined;
+    const text = this.news();
+    if (text !== undefined && program.send(this.kind, JSON.parse(text) as ToProgram[K])) this.kept = text;
+  }
+
+  /** What the program is to keep, where it is not what it has. */
+  private news(): string | undefined {
+    const text = JSON.stringify(this.current());
+    return this.kept === undefined || text === this.kept || state.welcome.peek()?.read_only ? undefined : text;
   }
 }
