@@ -158,7 +158,7 @@ class Job {
   Time counted_until_{};
   bool begun_ = false;
   WorkMeter meter_;
-  TileWork traced_before_;               ///< in frames that are not being traced any more
+  TileWork traced_before_;  ///< in frames that are not being traced any more
   double traced_in_earlier_runs_ = 0;
   std::map<uint32_t, uint64_t> stored_;  ///< tiles, by frame
   std::map<uint32_t, Hold> holds_;       ///< by frame

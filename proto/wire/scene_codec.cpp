@@ -66,7 +66,7 @@ v1::Scene parse_json(std::string_view text, const std::string& name) {
   v1::Scene scene;
   const auto status =
       pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene);
-  if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
+  if (!status.ok()) throw scene_error({name}, std::string(status.message()), "a scene in JSON");
   return scene;
 }
 

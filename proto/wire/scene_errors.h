@@ -46,11 +46,9 @@ class TextErrors : public google::protobuf::io::ErrorCollector {
   size_t unknown_end_ = std::string_view::npos;  ///< where the name of the last unknown field ends
 };
 
-/// Throws where `text` is no JSON, is nested deeper than kMaxSceneDepth, or names fields or values
-/// that a scene does not have: tells all of these up to the first fault of form.
+/// Throws where `text` is no JSON, is nested deeper than kMaxSceneDepth, names fields that a scene
+/// does not have, or gives them values of another type: tells all of these up to the first fault of
+/// form.
 void check_scene_json(std::string_view text, const std::string& file);
-/// What protobuf's JSON parser complains of in JSON that passed check_scene_json, with its place.
-/// Messages begin with the path in parentheses: "(nodes[0].shape): ...".
-Error scene_json_error(const std::string& file, std::string_view text, const std::string& message);
 
 }  // namespace tessera

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "proto/tessera/v1/scene.pb.h"
@@ -14,19 +17,103 @@ namespace tessera {
 namespace {
 
 namespace pb = google::protobuf;
+using Json = nlohmann::json;
 
-/// Names of fields as scene.proto writes them: "edge_u" for "edgeU".
-std::string with_proto_names(std::string_view path) {
-  std::string result;
-  for (const char c : path) {
-    if (std::isupper(static_cast<unsigned char>(c))) result += '_';
-    result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  return result;
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// A number as JSON writes it, infinite where it is beyond double precision; null where it is none.
+Json number_json(std::string_view written) {
+  const std::string_view digits = written.substr(written.starts_with('-') ? 1 : 0);
+  const size_t fraction = digits.find('.') + 1;
+  const bool is_written_so =
+      !digits.empty() && is_digit(digits[0]) &&
+      !(digits[0] == '0' && digits.size() > 1 && is_digit(digits[1])) &&
+      (fraction == 0 || (fraction < digits.size() && is_digit(digits[fraction])));
+  double number = 0;
+  const char* const end = written.data() + written.size();
+  const auto [read, error] = std::from_chars(written.data(), end, number);
+  if (!is_written_so || read != end) return nullptr;
+  return error == std::errc::result_out_of_range ? HUGE_VAL : number;
 }
 
+/// The value that a word or a text in quotes is; a discarded one where it is none.
+Json scalar_json(std::string_view written) {
+  if (written.starts_with('"')) return Json::parse(written, nullptr, false);
+  if (written == "null") return nullptr;
+  if (written == "true" || written == "false") return written == "true";
+  Json number = number_json(written);
+  return number.is_null() ? Json(Json::value_t::discarded) : number;
+}
+
+/// The number that protobuf takes a value for: texts such as "1.5" and "NaN" too.
+std::optional<double> number_of(const Json& value) {
+  if (value.is_number()) return value.get<double>();
+  if (!value.is_string()) return std::nullopt;
+  const auto& text = value.get_ref<const std::string&>();
+  if (text == "NaN" || text == "Infinity" || text == "-Infinity") return HUGE_VAL;
+  const Json number = number_json(text);
+  return number.is_null() ? std::nullopt : std::optional(number.get<double>());
+}
+
+template <class Integer>
+bool is_integer(const Json& value) {
+  const auto number = number_of(value);
+  // 2^digits, beyond the greatest of the type, is exact.
+  const double end = std::ldexp(1., std::numeric_limits<Integer>::digits);
+  return number && *number == std::trunc(*number) && *number < end &&
+         *number >= (std::is_signed_v<Integer> ? -end : 0);
+}
+
+/// Whether `value`, no object and no list, may stand for the field or an element of it.
+bool is_value_of(const pb::FieldDescriptor& field, const Json& value) {
+  switch (field.cpp_type()) {
+    case pb::FieldDescriptor::CPPTYPE_MESSAGE:
+      return false;
+    case pb::FieldDescriptor::CPPTYPE_STRING:
+      return value.is_string();
+    case pb::FieldDescriptor::CPPTYPE_BOOL:
+      return value.is_boolean();
+    case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+    case pb::FieldDescriptor::CPPTYPE_FLOAT:
+      return number_of(value).has_value();
+    case pb::FieldDescriptor::CPPTYPE_ENUM:
+      return value.is_string() ? field.enum_type()->FindValueByName(value) != nullptr
+                               : is_integer<int32_t>(value);
+    case pb::FieldDescriptor::CPPTYPE_INT32:
+      return is_integer<int32_t>(value);
+    case pb::FieldDescriptor::CPPTYPE_UINT32:
+      return is_integer<uint32_t>(value);
+    case pb::FieldDescriptor::CPPTYPE_INT64:
+      return is_integer<int64_t>(value);
+    case pb::FieldDescriptor::CPPTYPE_UINT64:
+      return is_integer<uint64_t>(value);
+  }
+  return false;
+}
+
+/// What may stand for the field or an element of it, where that is not `written`.
+std::string expected_value(const pb::FieldDescriptor& field, const std::string& written) {
+  switch (field.cpp_type()) {
+    case pb::FieldDescriptor::CPPTYPE_MESSAGE:
+      return fmt::format("the fields of a {} in braces", field.message_type()->name());
+    case pb::FieldDescriptor::CPPTYPE_STRING:
+      return "a text in double quotes";
+    case pb::FieldDescriptor::CPPTYPE_BOOL:
+      return "true or false";
+    case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+    case pb::FieldDescriptor::CPPTYPE_FLOAT:
+      return "a number";
+    case pb::FieldDescriptor::CPPTYPE_ENUM:
+      return one_of(value_names(*field.enum_type()), written);
+    default:
+      return "an integer in the field's range";
+  }
+}
+
+bool is_list(const pb::FieldDescriptor& field) { return field.is_repeated() && !field.is_map(); }
+
 /// Walks JSON along the message type that it stands for. Protobuf's own parser reports paths but
-/// no lines, so this finds the faults of form and of names first, and the place of any path.
+/// no lines, so this finds the faults of form, names and types first, and the place of any path.
 class SceneJson {
  public:
   SceneJson(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -34,7 +121,7 @@ class SceneJson {
   void walk(std::string target) {
     target_ = std::move(target);
     faults_.attempt([&] {
-      object(v1::Scene::descriptor(), "", 0);
+      fields(*v1::Scene::descriptor(), "", 0);
       skip_space();
       if (at_ != text_.size()) fail("text after the scene's end", "nothing more");
     });
@@ -80,53 +167,68 @@ class SceneJson {
     target_offset_ = at_;
   }
 
-  std::string string() {
+  /// What stands there: a text in quotes, or a word such as a number.
+  std::string_view scalar(std::string_view expected) {
     skip_space();
-    const size_t open = at_;
-    expect('"', "a text in double quotes");
-    while (at_ < text_.size() && text_[at_] != '"' && text_[at_] != '\n')
-      at_ += text_[at_] == '\\' ? 2 : 1;
-    if (at_ >= text_.size() || text_[at_] != '"')
-      fail_at(open, "a text that does not end on its line", "'\"'");
-    ++at_;
-    return std::string(text_.substr(open + 1, at_ - open - 2));
-  }
-
-  void scalar() {
+    const size_t start = at_;
     if (at_ < text_.size() && text_[at_] == '"') {
-      string();
-      return;
-    }
-    const size_t start = at_;
-    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) ||
-                                  std::string_view("+-.").find(text_[at_]) != text_.npos))
       ++at_;
-    if (start == at_) fail_here("a value");
-    double number = 0;
-    const auto parsed = std::from_chars(text_.data() + start, text_.data() + at_, number);
-    if (parsed.ec == std::errc::result_out_of_range)
-      note(start, text_.substr(start, at_ - start), "a number that double precision can hold");
+      while (at_ < text_.size() && text_[at_] != '"' && text_[at_] != '\n')
+        at_ += text_[at_] == '\\' ? 2 : 1;
+      if (at_ >= text_.size() || text_[at_] != '"')
+        fail_at(start, "a text that does not end on its line", "'\"'");
+      ++at_;
+    } else {
+      while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) ||
+                                    std::string_view("+-.").find(text_[at_]) != text_.npos))
+        ++at_;
+    }
+    if (start == at_) fail_here(expected);
+    return text_.substr(start, at_ - start);
   }
 
-  void value(const pb::FieldDescriptor* field, const std::string& path, int depth) {
-    meet(path);
-    if (at_ < text_.size() && text_[at_] == '{') {
-      if (depth == kMaxSceneDepth)
-        fail("values nested too deep", fmt::format("at most {} levels", kMaxSceneDepth));
-      return object(field && !field->is_map() ? field->message_type() : nullptr, path, depth + 1);
-    }
-    if (at_ < text_.size() && text_[at_] == '[') return array(field, path, depth);
+  std::string key() {
+    constexpr const char* kExpected = "a text in double quotes";
+    skip_space();
     const size_t start = at_;
-    scalar();
-    const std::string_view written = text_.substr(start, at_ - start);
-    if (field && field->cpp_type() == pb::FieldDescriptor::CPPTYPE_BOOL && !field->is_map() &&
-        written != "true" && written != "false" && written != "null")
-      note(start, written, "true or false");
-    if (!field || !field->enum_type() || text_[start] != '"') return;
-    const std::string name(text_.substr(start + 1, at_ - start - 2));
-    if (field->enum_type()->FindValueByName(name)) return;
-    const auto names = value_names(*field->enum_type());
-    note(start, fmt::format("'{}' is no value of {}", name, field->name()), one_of(names, name));
+    if (at_ < text_.size() && text_[at_] != '"') fail_here(kExpected);
+    const std::string_view written = scalar(kExpected);
+    const Json parsed = scalar_json(written);
+    if (!parsed.is_string()) fail_at(start, written, "a text as JSON writes it");
+    return parsed;
+  }
+
+  /// Of `field`, as an element of it `in_list`; null: of nothing that is known.
+  void value(const pb::FieldDescriptor* field, const std::string& path, int depth, bool in_list) {
+    meet(path);
+    const char first = at_ < text_.size() ? text_[at_] : ' ';
+    if (first == '{' || first == '[') {
+      const bool is_right =
+          !field || (first == '[' ? is_list(*field) && !in_list
+                                  : field->message_type() && (in_list || !is_list(*field)));
+      if (!is_right) tell_type(at_, first == '{' ? "an object" : "a list", *field, in_list);
+      if (first == '[') return array(is_right ? field : nullptr, path, depth);
+      return object(is_right ? field : nullptr, path, depth);
+    }
+    const size_t start = at_;
+    const std::string_view written = scalar("a value");
+    const Json parsed = scalar_json(written);
+    if (parsed.is_discarded() && !field) return note(start, written, "a value");
+    if (parsed.is_number() && std::isinf(parsed.get<double>()))
+      return note(start, written, "a number that double precision can hold");
+    if (!field || parsed.is_null()) return;
+    if (field->is_map() || (is_list(*field) && !in_list) || !is_value_of(*field, parsed))
+      tell_type(start, written, *field, in_list, parsed);
+  }
+
+  void tell_type(size_t at, std::string_view written, const pb::FieldDescriptor& field,
+                 bool in_list, const Json& parsed = nullptr) {
+    if (is_list(field) && !in_list) return note(at, written, "a list in brackets");
+    if (field.is_map()) return note(at, written, "names and values in braces");
+    const std::string name = field.enum_type() && parsed.is_string() ? parsed : "";
+    const std::string expected = expected_value(field, name);
+    if (name.empty()) return note(at, written, expected);
+    note(at, fmt::format("'{}' is no value of {}", name, field.name()), expected);
   }
 
   void array(const pb::FieldDescriptor* field, const std::string& path, int depth) {
@@ -137,37 +239,59 @@ class SceneJson {
       if (at_ < text_.size() && text_[at_] == '[') fail("a list in a list", "a value");
       // Protobuf would leave it out, and count the others anew.
       if (text_.substr(at_).starts_with("null")) note(at_, "null", "a value");
-      value(field, fmt::format("{}[{}]", path, i), depth);
+      value(field, fmt::format("{}[{}]", path, i), depth, true);
       if (take(']')) return;
       expect(',', "',' or ']'");
     }
   }
 
-  const pb::FieldDescriptor* field_of(const pb::Descriptor* type, const std::string& key,
+  const pb::FieldDescriptor* field_of(const pb::Descriptor& type, const std::string& key,
                                       size_t at) {
-    if (!type) return nullptr;
-    if (const auto* field = type->FindFieldByName(key)) return field;
-    for (int i = 0; i < type->field_count(); ++i)
-      if (type->field(i)->json_name() == key) return type->field(i);
-    const auto names = field_names(*type);
-    note(at, fmt::format("'{}' is no field of {}", key, type->name()), one_of(names, key));
+    if (const auto* field = type.FindFieldByName(key)) return field;
+    for (int i = 0; i < type.field_count(); ++i)
+      if (type.field(i)->json_name() == key) return type.field(i);
+    const auto names = field_names(type);
+    note(at, fmt::format("'{}' is no field of {}", key, type.name()), one_of(names, key));
     return nullptr;
   }
 
-  void object(const pb::Descriptor* type, const std::string& path, int depth) {
+  /// The names and values of a message, of a map, or of nothing that is known.
+  void object(const pb::FieldDescriptor* of, const std::string& path, int depth) {
+    if (depth == kMaxSceneDepth)
+      fail("values nested too deep", fmt::format("at most {} levels", kMaxSceneDepth));
+    if (of && !of->is_map()) return fields(*of->message_type(), path, depth + 1);
+    entries([&](size_t, const std::string& key) {
+      value(of ? of->message_type()->map_value() : nullptr, path + "." + key, depth + 1, false);
+    });
+  }
+
+  void fields(const pb::Descriptor& type, const std::string& path, int depth) {
+    std::set<const void*> given;
+    entries([&](size_t at, const std::string& key) {
+      const auto* field = field_of(type, key, at);
+      if (field && !given.insert(field).second)
+        note(at, fmt::format("'{}' is given twice", key), "each field once");
+      skip_space();
+      const auto* kind = field && !text_.substr(at_).starts_with("null")
+                             ? field->real_containing_oneof()
+                             : nullptr;
+      if (kind && !given.insert(kind).second)
+        note(at, fmt::format("'{}' beside another of its kind", key), "only one of them");
+      const std::string& name = field ? field->name() : key;
+      value(field, path.empty() ? name : path + "." + name, depth, false);
+    });
+  }
+
+  template <class Visit>  // (offset of the name, name): goes past the value
+  void entries(const Visit& visit) {
     expect('{', "'{'");
     if (take('}')) return;
-    std::set<std::string> given;
     for (;;) {
       skip_space();
       const size_t at = at_;
-      const std::string key = string();
-      const auto* field = field_of(type, key, at);
+      const std::string name = key();
       expect(':', "':'");
-      const std::string& name = field ? field->name() : key;
-      if (!given.insert(name).second)
-        note(at, fmt::format("'{}' is given twice", key), "each field once");
-      value(field, path.empty() ? name : path + "." + name, depth);
+      visit(at, name);
       if (take('}')) return;
       expect(',', "',' or '}'");
     }
@@ -192,28 +316,6 @@ SourcePlace place_in_json(const std::string& file, std::string_view text, const 
   SceneJson json(text, file);
   json.walk(path);
   return place_of(file, text, json.target_offset());
-}
-
-Error scene_json_error(const std::string& file, std::string_view text, const std::string& message) {
-  const size_t open = message.find('(');
-  const size_t close = message.find(')', open);
-  const std::string first_line = message.substr(0, message.find('\n'));
-  if (open != 0 || close == std::string::npos)
-    return scene_error({file}, first_line, "a scene in JSON");
-  const std::string path = message.substr(1, close - 1);
-  std::string found = message.substr(std::min(message.size(), close + 1));
-  if (found.starts_with(": ")) found = found.substr(2);
-  std::string expected = "a value of the field's type";
-  if (const size_t type = found.find(" for type "); type != std::string::npos) found.resize(type);
-  if (const size_t oneof = found.find("oneof field '_"); oneof != std::string::npos) {
-    found = "a field is given twice";
-    expected = "each field once";
-  } else if (found.find("oneof field '") != std::string::npos) {
-    found = found.substr(found.find("Cannot set '") + 11) + " beside another of its kind";
-    expected = "only one of them";
-  }
-  return scene_error(place_in_json(file, text, with_proto_names(path)),
-                     fmt::format("{}: {}", path, found), expected);
 }
 
 }  // namespace tessera

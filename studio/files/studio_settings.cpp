@@ -70,6 +70,14 @@ void write(const fs::path& path, const json& settings) {
   file.finish_over();
 }
 
+/// Removes what programs that were killed had begun to write.
+void remove_unfinished(const fs::path& folder) {
+  const OwnedDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  for (const auto& entry : entries_in(folder)) {
+    NewFile::remove_unfinished(opened.get(), entry.path().filename().string());
+  }
+}
+
 /// Removes the oldest beyond so many.
 void keep_newest(const fs::path& folder, size_t most) {
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
@@ -125,6 +133,8 @@ std::vector<std::string> StudioSettings::recent_folders() const {
 
 void StudioSettings::note_opened(const fs::path& folder) const {
   if (folder_.empty()) return;
+  remove_unfinished(folder_);
+  remove_unfinished(folder_ / kFolders);
   std::vector<std::string> folders = recent_folders();
   std::erase(folders, folder.string());
   folders.insert(folders.begin(), folder.string());

@@ -36,7 +36,8 @@ class StudioSettings {
 
   /// The folders that note_opened() was called for, absolute, the newest first.
   std::vector<std::string> recent_folders() const;
-  /// Throws render_error as keep() does.
+  /// Removes too what programs that were killed left half written. Throws render_error as keep()
+  /// does.
   void note_opened(const std::filesystem::path& folder) const;
 
  private:

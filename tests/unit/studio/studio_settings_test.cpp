@@ -61,6 +61,18 @@ TEST(StudioSettings, TheFoldersThatWereOpenedLastAreKnownTheNewestFirst) {
   StudioSettings({}).note_opened("/a");
 }
 
+TEST(StudioSettings, WhatWasLeftHalfWrittenIsRemoved) {
+  const TemporaryFolder folder;
+  const StudioSettings settings(folder.path());
+  settings.keep_of_folder("/scenes", kNothing);
+  for (const char* const left : {".tessera-1.part", "studio/.tessera-2.part"}) {
+    std::ofstream(folder / left) << "{";
+  }
+  settings.note_opened("/scenes");
+  EXPECT_FALSE(fs::exists(folder / ".tessera-1.part"));
+  EXPECT_FALSE(fs::exists(folder / "studio/.tessera-2.part"));
+}
+
 RC_GTEST_PROP(StudioSettings, AnyTextAndNumberComesBack, ()) {
   const TemporaryFolder folder;
   const StudioSettings settings(folder.path());

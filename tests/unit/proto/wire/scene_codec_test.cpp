@@ -148,7 +148,7 @@ TEST(SceneCodec, SaysWhereJsonIsWrong) {
   EXPECT_EQ(json_error("{"), "s:1:2: the text ends here; expected a text in double quotes");
   EXPECT_EQ(json_error("{\"nodes\":[{\"name\":\"a\" 1}]}"), "s:1:23: '1'; expected ',' or '}'");
   EXPECT_EQ(json_error("{\"settings\":\n{\"width\":-1}}"),
-            "s:2:10: settings.width: invalid value -1; expected a value of the field's type");
+            "s:2:10: -1; expected an integer in the field's range");
   EXPECT_EQ(json_error("{\"nodes\":[{\"hidden\":\"yes\"}]}"),
             "s:1:21: \"yes\"; expected true or false");
   EXPECT_EQ(json_error("{\"settings\":{\"time\":1e999}}"),
@@ -161,6 +161,39 @@ TEST(SceneCodec, SaysWhereJsonIsWrong) {
   EXPECT_EQ(json_error("{\"nodes\":[],\n\"nodes\":[{}]}"),
             "s:2:1: 'nodes' is given twice; expected each field once");
   EXPECT_EQ(json_error("{} {}"), "s:1:4: text after the scene's end; expected nothing more");
+}
+
+TEST(SceneCodec, SaysWhereValuesOfJsonAreOfAnotherType) {
+  const auto of_sphere = [](const std::string& fields) {
+    return json_error("{\"nodes\":[{\"shape\":{\"sphere\":\n{" + fields + "}}}]}");
+  };
+  for (const char* wrong : {"NaN", ".5", "5.", "0x10", "01", "+1", "\"abc\"", "true"}) {
+    EXPECT_EQ(of_sphere(fmt::format("\"radius\":{}", wrong)),
+              fmt::format("s:2:11: {}; expected a number", wrong));
+  }
+  EXPECT_EQ(of_sphere("\"radius\":{}"), "s:2:11: an object; expected a number");
+  EXPECT_EQ(of_sphere("\"radius\":[1]"), "s:2:11: a list; expected a number");
+  EXPECT_EQ(of_sphere("\"center\":1"), "s:2:11: 1; expected the fields of a Vec3 in braces");
+  EXPECT_EQ(of_sphere("\"center\":\n{\"\\u0078\":{}}"), "s:3:11: an object; expected a number");
+  EXPECT_EQ(of_sphere("\"r\\q\":1"), "s:2:2: \"r\\q\"; expected a text as JSON writes it");
+  EXPECT_EQ(json_error("{\"nodes\":{}}"), "s:1:10: an object; expected a list in brackets");
+  EXPECT_EQ(json_error("{\"nodes\":3}"), "s:1:10: 3; expected a list in brackets");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"name\":3}]}"),
+            "s:1:19: 3; expected a text in double quotes");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"shape\":{\"materials\":[\"a\",\n3]}}]}"),
+            "s:2:1: 3; expected a text in double quotes");
+  EXPECT_EQ(json_error("{\"metadata\":{\"properties\":[1]}}"),
+            "s:1:27: a list; expected names and values in braces");
+  EXPECT_EQ(json_error("{\"metadata\":{\"properties\":{\"a\":\n1}}}"),
+            "s:2:1: 1; expected a text in double quotes");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"shape\":{\"sphere\":{},\n\"box\":{}}}]}"),
+            "s:2:1: 'box' beside another of its kind; expected only one of them");
+  for (const char* width : {"4294967296", "-1", "1.5", "\"1e10\""}) {
+    EXPECT_EQ(json_error(fmt::format("{{\"settings\":{{\"width\":{}}}}}", width)),
+              fmt::format("s:1:22: {}; expected an integer in the field's range", width));
+  }
+  EXPECT_EQ(json_error("{\"settings\":{\"width\":\"64\",\"height\":6.4e1,\"time\":null}}"),
+            "no error");
 }
 
 TEST(SceneCodec, BoundsNesting) {
