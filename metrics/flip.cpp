@@ -113,28 +113,32 @@ inline float hyab(const Color& a, const Color& b) {
   return std::abs(a[0] - b[0]) + std::sqrt(u * u + v * v);
 }
 
-/// Rows through `along_x`, then columns through `along_y`, into the rows of `out`, of a picture of
-/// `height` rows, whose border's pixels go on outside. `in` has those that are within reach.
-/// `half`: a buffer for the intermediate rows.
-void filter(const Rows& in, size_t height, const Kernel& along_x, const Kernel& along_y, Rows& half,
-            Rows& out) {
-  const size_t width = in.width, radius = along_x.size() / 2;
-  half.set(in.first, in.end);
+/// All rows of `in` through the kernel, into `out`; the border's pixels go on outside.
+void filter_rows(const Rows& in, const Kernel& kernel, Rows& out) {
+  const size_t width = in.width, radius = kernel.size() / 2;
+  out.set(in.first, in.end);
   std::vector<float> line(width + 2 * radius);
   std::vector<const float*> rows;
-  for (size_t k = 0; k < along_x.size(); ++k) rows.push_back(line.data() + k);
+  for (size_t k = 0; k < kernel.size(); ++k) rows.push_back(line.data() + k);
   for (size_t y = in.first; y < in.end; ++y) {
     const float* const row = in.row(y);
     std::fill_n(line.begin(), radius, row[0]);
     std::copy_n(row, width, line.begin() + static_cast<std::ptrdiff_t>(radius));
     std::fill_n(line.rbegin(), radius, row[width - 1]);
-    weighted_sum(half.row(y), width, along_x, rows);
+    weighted_sum(out.row(y), width, kernel, rows);
   }
+}
+
+/// Columns through the kernel, into the rows of `out`, of a picture of `height` rows. `in` has
+/// those that are within reach.
+void filter_columns(const Rows& in, size_t height, const Kernel& kernel, Rows& out) {
+  const size_t radius = kernel.size() / 2;
+  std::vector<const float*> rows(kernel.size());
   for (size_t y = out.first; y < out.end; ++y) {
-    for (size_t k = 0; k < along_y.size(); ++k) {
-      rows[k] = half.row(std::clamp(y + k, radius, radius + height - 1) - radius);
+    for (size_t k = 0; k < kernel.size(); ++k) {
+      rows[k] = in.row(std::clamp(y + k, radius, radius + height - 1) - radius);
     }
-    weighted_sum(out.row(y), width, along_y, rows);
+    weighted_sum(out.row(y), in.width, kernel, rows);
   }
 }
 
@@ -164,11 +168,14 @@ struct Sensitivity {
 Sensitivity sensitivity(const std::vector<std::pair<double, double>>& terms,
                         double pixels_per_degree) {
   constexpr double kPi = std::numbers::pi, kWidest = .04;
-  const int radius =
-      static_cast<int>(std::ceil(3 * std::sqrt(kWidest / (2 * kPi * kPi)) * pixels_per_degree));
+  // Weights further out would be lost in the sum of floats.
+  constexpr double kLeastWeight = 0x1p-26;
   Sensitivity out;
   std::vector<double> weights;
   for (const auto& [a, b] : terms) {
+    const double degrees = std::min(3 * std::sqrt(kWidest / (2 * kPi * kPi)),
+                                    std::sqrt(-std::log(kLeastWeight) * b) / kPi);
+    const int radius = static_cast<int>(std::ceil(degrees * pixels_per_degree));
     std::vector<double> gaussian;
     for (int i = -radius; i <= radius; ++i) {
       const double x = i / pixels_per_degree;
@@ -199,7 +206,10 @@ struct Filters {
     smooth = normalized(gaussian);
     edge = normalized(first);
     point = normalized(second);
-    reach = std::max(smooth.size(), opponent[0].kernels[0].size()) / 2;
+    reach = smooth.size() / 2;
+    for (const Sensitivity& each : opponent) {
+      for (const Kernel& kernel : each.kernels) reach = std::max(reach, kernel.size() / 2);
+    }
   }
 
   std::array<Sensitivity, 3> opponent;
@@ -210,13 +220,13 @@ struct Filters {
 /// What FLIP compares, of some rows of one picture; its buffers serve for other rows later.
 class FlipFeatures {
  public:
-  FlipFeatures(const Picture& picture, const Filters& filters, size_t most_rows)
+  FlipFeatures(const PictureView& picture, const Filters& filters, size_t most_rows)
       : picture_(picture),
         filters_(filters),
         width_(static_cast<size_t>(picture.width)),
         height_(static_cast<size_t>(picture.height)) {
     const size_t around = most_rows + 2 * filters.reach;
-    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &half_})
+    for (Rows* rows : {&opponent_[0], &opponent_[1], &opponent_[2], &half_, &smooth_})
       *rows = Rows(width_, around);
     for (Rows* rows : {&colors[0], &colors[1], &colors[2], &edges, &points, &part_})
       *rows = Rows(width_, most_rows);
@@ -226,6 +236,7 @@ class FlipFeatures {
     read(begin - std::min(begin, filters_.reach), std::min(height_, end + filters_.reach));
     for (Rows* rows : {&colors[0], &colors[1], &colors[2], &edges, &points, &part_})
       rows->set(begin, end);
+    filter_rows(opponent_[0], filters_.smooth, smooth_);
     detect(filters_.edge, edges);
     detect(filters_.point, points);
     for (size_t c = 0; c < 3; ++c) filter_contrast(filters_.opponent[c], opponent_[c], colors[c]);
@@ -255,8 +266,9 @@ class FlipFeatures {
   }
 
   void detect(const Kernel& derivative, Rows& out) {
-    filter(opponent_[0], height_, derivative, filters_.smooth, half_, out);
-    filter(opponent_[0], height_, filters_.smooth, derivative, half_, part_);
+    filter_rows(opponent_[0], derivative, half_);
+    filter_columns(half_, height_, filters_.smooth, out);
+    filter_columns(smooth_, height_, derivative, part_);
     for (size_t y = out.first; y < out.end; ++y) {
       float* const to = out.row(y);
       const float* const other = part_.row(y);
@@ -268,7 +280,8 @@ class FlipFeatures {
   void filter_contrast(const Sensitivity& sensitivity, const Rows& in, Rows& out) {
     for (size_t term = 0; term < sensitivity.kernels.size(); ++term) {
       const Kernel& kernel = sensitivity.kernels[term];
-      filter(in, height_, kernel, kernel, half_, part_);
+      filter_rows(in, kernel, half_);
+      filter_columns(half_, height_, kernel, part_);
       for (size_t y = out.first; y < out.end; ++y) {
         float* const to = out.row(y);
         const float* const from = part_.row(y);
@@ -298,11 +311,12 @@ class FlipFeatures {
     }
   }
 
-  const Picture& picture_;
+  PictureView picture_;
   const Filters& filters_;
   size_t width_, height_;
   std::array<Rows, 3> opponent_;
   Rows half_, part_;
+  Rows smooth_;  ///< luminance, smoothed along its rows
 };
 
 constexpr float kColorExponent = .7F;
@@ -339,12 +353,13 @@ void compare_row(const FlipFeatures& a, const FlipFeatures& b, size_t y,
 
 /// Calls take(y, errors) for each row of the pictures, on several threads.
 template <typename Take>
-void for_each_row(const Picture& a, const Picture& b, double pixels_per_degree, const Take& take) {
+void for_each_row(const PictureView& a, const PictureView& b, double pixels_per_degree,
+                  const Take& take) {
   constexpr size_t kBand = 64;  // rows; with those around them, what a processor's cache may hold
   const Filters filters(pixels_per_degree);
   const auto width = static_cast<size_t>(a.width), height = static_cast<size_t>(a.height);
   const size_t bands = (height + kBand - 1) / kBand;
-  const auto buffers = [&](const Picture& of) {
+  const auto buffers = [&](const PictureView& of) {
     const size_t threads = std::min(bands, static_cast<size_t>(core_count()));
     return std::vector<FlipFeatures>(threads, {of, filters, kBand});
   };
@@ -364,7 +379,7 @@ void for_each_row(const Picture& a, const Picture& b, double pixels_per_degree, 
 
 }  // namespace
 
-std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_per_degree) {
+std::vector<float> flip_map(const PictureView& a, const PictureView& b, double pixels_per_degree) {
   std::vector<float> out(a.pixels());
   for_each_row(a, b, pixels_per_degree, [&](size_t y, const std::vector<float>& errors) {
     std::copy(errors.begin(), errors.end(), &out[y * errors.size()]);
@@ -372,7 +387,7 @@ std::vector<float> flip_map(const Picture& a, const Picture& b, double pixels_pe
   return out;
 }
 
-double mean_flip(const Picture& a, const Picture& b, const PixelMask& mask,
+double mean_flip(const PictureView& a, const PictureView& b, const PixelMask& mask,
                  double pixels_per_degree) {
   // By row, which are added in their order for any number of threads.
   std::vector<double> sums(static_cast<size_t>(a.height));

@@ -15,11 +15,11 @@ inline constexpr double kUsualPixelsPerDegree = 67.0206;
 /// first, which is our default tone curve; what is no number counts as 0. Symmetric in both. In
 /// single precision, as the paper's own program, on all processors; their number makes no
 /// difference.
-std::vector<float> flip_map(const Picture& a, const Picture& b,
+std::vector<float> flip_map(const PictureView& a, const PictureView& b,
                             double pixels_per_degree = kUsualPixelsPerDegree);
 
 /// The mean of flip_map over the pixels that count.
-double mean_flip(const Picture& a, const Picture& b, const PixelMask& mask = {},
+double mean_flip(const PictureView& a, const PictureView& b, const PixelMask& mask = {},
                  double pixels_per_degree = kUsualPixelsPerDegree);
 
 }  // namespace tessera

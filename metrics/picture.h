@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,25 @@ struct Picture {
   size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
 };
 
+/// The same where it lies elsewhere, which has to outlive this.
+struct PictureView {
+  PictureView(int w, int h, std::span<const float> rgb) : width(w), height(h), values(rgb) {}
+  PictureView(const Picture& picture)
+      : PictureView(picture.width, picture.height, picture.values) {}
+
+  int width, height;
+  std::span<const float> values;  ///< width * height * 3
+
+  size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
+};
+
 /// Which pixels count, one entry a pixel; empty: all of them.
 using PixelMask = std::vector<uint8_t>;
 
 inline bool counts(const PixelMask& mask, size_t pixel) { return mask.empty() || mask[pixel] != 0; }
 
 /// That both have one size.
-inline void check_alike(const Picture& a, const Picture& b) {
+inline void check_alike(const PictureView& a, const PictureView& b) {
   TESSERA_CHECK(a.width == b.width && a.height == b.height && a.values.size() == b.values.size() &&
                     a.values.size() == 3 * a.pixels(),
                 std::to_string(a.values.size()) + " and " + std::to_string(b.values.size()));

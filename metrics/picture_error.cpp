@@ -95,7 +95,7 @@ double relative_square(double d, double r) { return d * d / (r * r + .01); }
 
 /// What visit(sums, thread, i) adds up over the values that count.
 template <typename Sum, typename Visit>
-Sum add_up(const Picture& picture, const PixelMask& mask, const Visit& visit) {
+Sum add_up(const PictureView& picture, const PixelMask& mask, const Visit& visit) {
   // Parts that depend on the size of the picture alone, and so do the sums then.
   constexpr size_t kPixelsOfPart = size_t{1} << 16;
   std::vector<Sum> of_part((picture.pixels() + kPixelsOfPart - 1) / kPixelsOfPart);
@@ -113,8 +113,8 @@ Sum add_up(const Picture& picture, const PixelMask& mask, const Visit& visit) {
 
 }  // namespace
 
-PictureError picture_error(const Picture& picture, const Picture& reference, const PixelMask& mask,
-                           bool with_flip) {
+PictureError picture_error(const PictureView& picture, const PictureView& reference,
+                           const PixelMask& mask, bool with_flip) {
   check_alike(picture, reference);
   const size_t values = for_each_value(0, picture.pixels(), mask, [](size_t) {});
   TESSERA_CHECK(values > 0, "no pixel counts");

@@ -21,7 +21,7 @@ struct PictureError {
 };
 
 /// Both must have one size and some pixel that counts.
-PictureError picture_error(const Picture& picture, const Picture& reference,
+PictureError picture_error(const PictureView& picture, const PictureView& reference,
                            const PixelMask& mask = {}, bool with_flip = true);
 
 }  // namespace tessera

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kRadius = 5;
 constexpr double kStandardDeviation = 1.5;
-constexpr size_t kBand = 32;  // rows of windows, whose pixels a processor's cache may hold
+constexpr size_t kBand = 64;  // rows of windows, whose pixels a processor's cache may hold
 constexpr double kC1 = .01 * .01, kC2 = .03 * .03;  // (K L)^2 of the paper, with L = 1
 
 /// Of windows' values: the means of a, b, a^2, b^2 and ab.
@@ -35,7 +35,7 @@ double srgb_encoded(double linear) {
 }
 
 /// Of a row of the picture.
-void encode_luminance(const Picture& picture, size_t y, double* out) {
+void encode_luminance(const PictureView& picture, size_t y, double* out) {
   const auto light = [](float value) {
     return std::isnan(value) ? 0 : std::clamp(double{value}, 0., 1.);
   };
@@ -46,11 +46,12 @@ void encode_luminance(const Picture& picture, size_t y, double* out) {
   for (size_t x = 0; x < width; ++x) out[x] = srgb_encoded(out[x]);
 }
 
-/// For each pixel of some rows of two pictures what Moments are the means of, in planes.
+/// For each pixel of some rows of two pictures what Moments are the means of, in planes; its
+/// buffers serve for other rows later.
 class Products {
  public:
-  Products(const Picture& a, const Picture& b, size_t begin, size_t end)
-      : width_(static_cast<size_t>(a.width)) {
+  void compute(const PictureView& a, const PictureView& b, size_t begin, size_t end) {
+    width_ = static_cast<size_t>(a.width);
     for (std::vector<double>& plane : planes_) plane.resize((end - begin) * width_);
     for (size_t row = 0; row < end - begin; ++row) {
       std::array<double*, 5> to{};
@@ -65,7 +66,7 @@ class Products {
   const double* row(size_t plane, size_t y) const { return planes_[plane].data() + y * width_; }
 
  private:
-  size_t width_;
+  size_t width_ = 0;
   std::array<std::vector<double>, 5> planes_;
 };
 
@@ -89,7 +90,7 @@ double similarity(const Moments& m) {
 
 }  // namespace
 
-double mean_ssim(const Picture& first, const Picture& second) {
+double mean_ssim(const PictureView& first, const PictureView& second) {
   TESSERA_CHECK(first.width == second.width && first.height == second.height && first.pixels() > 0,
                 std::to_string(first.pixels()) + " and " + std::to_string(second.pixels()));
   const auto width = static_cast<size_t>(first.width), height = static_cast<size_t>(first.height);
@@ -98,8 +99,12 @@ double mean_ssim(const Picture& first, const Picture& second) {
   const size_t size = weights.size();
   // A row of windows each, added in their order for any number of threads.
   std::vector<double> sums(height - size + 1);
-  for_each_piece_parallel(sums.size(), kBand, core_count(), [&](size_t begin, size_t end) {
-    const Products products(first, second, begin, end + size - 1);
+  const size_t bands = (sums.size() + kBand - 1) / kBand;
+  std::vector<Products> of_threads(static_cast<size_t>(core_count()));
+  for_each_of_thread(bands, core_count(), [&](size_t thread, size_t band) {
+    const size_t begin = band * kBand, end = std::min(sums.size(), begin + kBand);
+    Products& products = of_threads[thread];
+    products.compute(first, second, begin, end + size - 1);
     std::vector<double> columns(width);
     std::array<std::vector<double>, 5> windows;
     for (std::vector<double>& moment : windows) moment.resize(width - size + 1);

@@ -10,6 +10,6 @@ namespace tessera {
 /// that lie wholly in the picture; K1 = .01, K2 = .03. They see the luminance (ITU-R BT.709) of the
 /// linear light clamped to [0, 1], encoded as sRGB; what is no number counts as 0. Of a picture
 /// that is narrower or lower than 11 pixels the windows are as large as fits. Symmetric in both.
-double mean_ssim(const Picture& a, const Picture& b);
+double mean_ssim(const PictureView& a, const PictureView& b);
 
 }  // namespace tessera

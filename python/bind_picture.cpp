@@ -253,12 +253,19 @@ struct Comparison {
 /// The fields of `tessera.Metrics` by their names.
 py::dict compare(const PicturePointer& first, const PicturePointer& second) {
   const auto [difference, error, ssim] = run_abandonably([first, second](StopFlag) {
-    std::array<Picture, 2> light;
+    std::array<std::vector<float>, 2> light;
+    const std::array films{&first->film, &second->film};
     for_each_parallel(2, core_count(), [&](size_t i) {
-      const Film& film = (i == 0 ? first : second)->film;
-      light[i] = {film.width(), film.height(), gather<float>(film, 0, kFilmChannels)};
+      if (films[i]->channels() > kFilmChannels) {
+        light[i] = gather<float>(*films[i], 0, kFilmChannels);
+      }
     });
-    const auto& [a, b] = light;
+    const auto light_of = [&](size_t i) -> PictureView {
+      const Film& film = *films[i];
+      return {film.width(), film.height(),
+              light[i].empty() ? film.values() : std::span<const float>(light[i])};
+    };
+    const PictureView a = light_of(0), b = light_of(1);
     return Comparison{difference_of(a.values, b.values, kFilmChannels, size_t(a.width)),
                       picture_error(a, b), mean_ssim(a, b)};
   });
