@@ -104,8 +104,9 @@ SourcePlace end_of_word(std::string_view text, const SourcePlace& place) {
 }
 
 Error scene_error(const SourcePlace& place, std::string_view found, std::string_view expected) {
+  const std::string where = place.file.empty() ? "" : place.str() + ": ";
   return Error(ExitCode::bad_scene,
-               escape_controls(fmt::format("{}: {}{}{}", place.str(), found,
+               escape_controls(fmt::format("{}{}{}{}", where, found,
                                            expected.empty() ? "" : kExpected, expected)),
                {make_diagnostic(place, found, expected)});
 }

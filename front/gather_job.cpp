@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "front/output_settings.h"
 #include "front/picture_warnings.h"
 #include "job/check_job.h"

@@ -112,7 +112,7 @@ std::string to_json(py::handle scene) {
 
 py::object from_json(std::string text, const py::dict& arrays) {
   SceneWithBlobs made = run_abandonably([text = std::move(text)](const std::atomic<bool>&) {
-    return decode_scene(text, SceneEncoding::json, "dict");
+    return decode_scene(text, SceneEncoding::json, "");
   });
   for (const auto& [digest, array] : arrays) {
     const auto& [name, blob] = blob_of(array.cast<const Array&>());

@@ -41,8 +41,9 @@ std::optional<SceneEncoding> scene_encoding_of(std::string_view path);
 /// a number that its enumeration does not have, or messages nested deeper than kMaxSceneDepth.
 void check_scene(const v1::Scene& scene, const std::string& name);
 
-/// Reads `text`, which came from the file `name`. It passes check_scene, every string is UTF-8,
-/// every embedded blob has the digest that it claims. Throws scene_error with the place.
+/// Reads `text`, which came from the file `name`; empty: a program wrote it, and places are paths
+/// of fields. It passes check_scene, every string is UTF-8, every embedded blob has the digest that
+/// it claims. Throws scene_error with the place.
 SceneWithBlobs decode_scene(std::string_view text, SceneEncoding encoding, const std::string& name);
 /// `blobs` that `scene` does not refer to are left out; none are embedded where `embed` is false.
 /// The same scene gives the same bytes. Throws scene_error as check_scene.

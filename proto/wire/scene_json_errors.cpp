@@ -112,6 +112,13 @@ std::string expected_value(const pb::FieldDescriptor& field, const std::string& 
 
 bool is_list(const pb::FieldDescriptor& field) { return field.is_repeated() && !field.is_map(); }
 
+/// Where what is of `path` stands. Text that nobody wrote, of no file, has no lines to tell.
+SourcePlace json_place(const std::string& file, std::string_view text, size_t at,
+                       const std::string& path) {
+  if (!file.empty()) return place_of(file, text, at);
+  return {path.empty() ? "description" : path};
+}
+
 /// Walks JSON along the message type that it stands for. Protobuf's own parser reports paths but
 /// no lines, so this finds the faults of form, names and types first, and the place of any path.
 class SceneJson {
@@ -134,9 +141,10 @@ class SceneJson {
   [[noreturn]] void fail_at(size_t at, std::string_view found, std::string_view expected) const {
     throw scene_error(place_of(file_, text_, at), found, expected);
   }
-  /// Tells of what the rest of the text can be read beside.
-  void note(size_t at, std::string_view found, std::string_view expected) {
-    if (!faults_.has_more()) faults_.add(scene_error(place_of(file_, text_, at), found, expected));
+  /// Tells of what the rest of the text can be read beside, and which is of `path`.
+  void note(size_t at, const std::string& path, std::string_view found, std::string_view expected) {
+    if (faults_.has_more()) return;
+    faults_.add(scene_error(json_place(file_, text_, at, path), found, expected));
   }
   [[noreturn]] void fail(std::string_view found, std::string_view expected) const {
     fail_at(at_, found, expected);
@@ -206,29 +214,29 @@ class SceneJson {
       const bool is_right =
           !field || (first == '[' ? is_list(*field) && !in_list
                                   : field->message_type() && (in_list || !is_list(*field)));
-      if (!is_right) tell_type(at_, first == '{' ? "an object" : "a list", *field, in_list);
+      if (!is_right) tell_type(at_, path, first == '{' ? "an object" : "a list", *field, in_list);
       if (first == '[') return array(is_right ? field : nullptr, path, depth);
       return object(is_right ? field : nullptr, path, depth);
     }
     const size_t start = at_;
     const std::string_view written = scalar("a value");
     const Json parsed = scalar_json(written);
-    if (parsed.is_discarded() && !field) return note(start, written, "a value");
+    if (parsed.is_discarded() && !field) return note(start, path, written, "a value");
     if (parsed.is_number() && std::isinf(parsed.get<double>()))
-      return note(start, written, "a number that double precision can hold");
+      return note(start, path, written, "a number that double precision can hold");
     if (!field || parsed.is_null()) return;
     if (field->is_map() || (is_list(*field) && !in_list) || !is_value_of(*field, parsed))
-      tell_type(start, written, *field, in_list, parsed);
+      tell_type(start, path, written, *field, in_list, parsed);
   }
 
-  void tell_type(size_t at, std::string_view written, const pb::FieldDescriptor& field,
-                 bool in_list, const Json& parsed = nullptr) {
-    if (is_list(field) && !in_list) return note(at, written, "a list in brackets");
-    if (field.is_map()) return note(at, written, "names and values in braces");
+  void tell_type(size_t at, const std::string& path, std::string_view written,
+                 const pb::FieldDescriptor& field, bool in_list, const Json& parsed = nullptr) {
+    if (is_list(field) && !in_list) return note(at, path, written, "a list in brackets");
+    if (field.is_map()) return note(at, path, written, "names and values in braces");
     const std::string name = field.enum_type() && parsed.is_string() ? parsed : "";
     const std::string expected = expected_value(field, name);
-    if (name.empty()) return note(at, written, expected);
-    note(at, fmt::format("'{}' is no value of {}", name, field.name()), expected);
+    if (name.empty()) return note(at, path, written, expected);
+    note(at, path, fmt::format("'{}' is no value of {}", name, field.name()), expected);
   }
 
   void array(const pb::FieldDescriptor* field, const std::string& path, int depth) {
@@ -238,20 +246,21 @@ class SceneJson {
       skip_space();
       if (at_ < text_.size() && text_[at_] == '[') fail("a list in a list", "a value");
       // Protobuf would leave it out, and count the others anew.
-      if (text_.substr(at_).starts_with("null")) note(at_, "null", "a value");
-      value(field, fmt::format("{}[{}]", path, i), depth, true);
+      const std::string element = fmt::format("{}[{}]", path, i);
+      if (text_.substr(at_).starts_with("null")) note(at_, element, "null", "a value");
+      value(field, element, depth, true);
       if (take(']')) return;
       expect(',', "',' or ']'");
     }
   }
 
-  const pb::FieldDescriptor* field_of(const pb::Descriptor& type, const std::string& key,
-                                      size_t at) {
+  const pb::FieldDescriptor* field_of(const pb::Descriptor& type, const std::string& key, size_t at,
+                                      const std::string& path) {
     if (const auto* field = type.FindFieldByName(key)) return field;
     for (int i = 0; i < type.field_count(); ++i)
       if (type.field(i)->json_name() == key) return type.field(i);
     const auto names = field_names(type);
-    note(at, fmt::format("'{}' is no field of {}", key, type.name()), one_of(names, key));
+    note(at, path, fmt::format("'{}' is no field of {}", key, type.name()), one_of(names, key));
     return nullptr;
   }
 
@@ -268,15 +277,15 @@ class SceneJson {
   void fields(const pb::Descriptor& type, const std::string& path, int depth) {
     std::set<const void*> given;
     entries([&](size_t at, const std::string& key) {
-      const auto* field = field_of(type, key, at);
+      const auto* field = field_of(type, key, at, path);
       if (field && !given.insert(field).second)
-        note(at, fmt::format("'{}' is given twice", key), "each field once");
+        note(at, path, fmt::format("'{}' is given twice", key), "each field once");
       skip_space();
       const auto* kind = field && !text_.substr(at_).starts_with("null")
                              ? field->real_containing_oneof()
                              : nullptr;
       if (kind && !given.insert(kind).second)
-        note(at, fmt::format("'{}' beside another of its kind", key), "only one of them");
+        note(at, path, fmt::format("'{}' beside another of its kind", key), "only one of them");
       const std::string& name = field ? field->name() : key;
       value(field, path.empty() ? name : path + "." + name, depth, false);
     });
@@ -315,7 +324,7 @@ void check_scene_json(std::string_view text, const std::string& file) {
 SourcePlace place_in_json(const std::string& file, std::string_view text, const std::string& path) {
   SceneJson json(text, file);
   json.walk(path);
-  return place_of(file, text, json.target_offset());
+  return json_place(file, text, json.target_offset(), path);
 }
 
 }  // namespace tessera

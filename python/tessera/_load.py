@@ -80,7 +80,11 @@ def load_dict(description: Mapping[str, Any]) -> Scene:
                 raise
             # Python prints no number of more than some thousand digits.
             raise UsageError("description: a whole number of too many digits; expected a smaller one") from error
-    scene: Scene = _core.from_json(text.getvalue(), arrays)
+    try:
+        scene: Scene = _core.from_json(text.getvalue(), arrays)
+    except SceneError as error:
+        error.path, error.place = error.place, ""  # of what is no file
+        raise
     return scene
 
 

@@ -21,7 +21,8 @@ Affine to_affine(const v1::Transform::Step& step) {
     case v1::Transform::Step::kLookAt: {
       const v1::LookAt& look = step.look_at();
       const Vec3 up = look.has_up() ? to_vec(look.up()) : Vec3{0, 1, 0};
-      return look_at(Point3{} + to_vec(look.eye()), Point3{} + to_vec(look.target()), up);
+      return look_at(Point3{} + to_vec(look.eye()), Point3{} + to_vec(look.target()),
+                     up == Vec3{} ? up : normalize(up));
     }
     case v1::Transform::Step::kMatrix: {
       Affine out;

@@ -330,6 +330,7 @@ class Accessibility(AccessTest):
         wait_until(lambda: page.has(".probed td"), "the probe is open")
         check("probe")
         page.press("p")
+        page.wait_for_frames()
         self.until_final(page)  # in the size that it has from now on
         page.press("c")
         wait_until(lambda: page.has(".compare"), "a picture is pinned")

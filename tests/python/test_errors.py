@@ -270,10 +270,14 @@ def test_functions_tell_the_keyword_that_is_nearest(call, name, near):
     ({"nodes": {1, 2}}, "nodes: a set; expected a number, text, a list or a dict"),
     ({"nodes": [{"shape": b"x"}]}, r"nodes\[0\].shape: a bytes; expected"),
     ({"settings": {"width": float("nan")}}, "settings.width: nan; expected a finite number"),
+    ({"settings": {"width": -1}}, "settings.width: -1; expected an integer"),
+    ({"nodes": [{}, {"shape": {"spher": {}}}]}, r"nodes\[1\].shape: 'spher' is no field of Shape"),
+    ({"node": []}, "description: 'node' is no field of Scene; expected .*; did you mean 'nodes'"),
 ])
 def test_what_no_description_has_is_told_by_its_path(description, message):
-    with pytest.raises(ts.SceneError, match=message):
+    with pytest.raises(ts.SceneError, match=f"^{message}") as told:
         ts.load_dict(description)
+    assert told.value.place == "" and told.value.message.startswith(told.value.path)
 
 
 def test_descriptions_take_numbers_of_numpy():

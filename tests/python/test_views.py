@@ -134,3 +134,9 @@ def test_a_transparent_background(tmp_path):
     assert (image.to_srgb()[0, 0] == 0).all() and pickle.loads(pickle.dumps(image)) == image
     with pytest.raises(ts.UsageError, match="holds no alpha"):
         image.save(tmp_path / "x.jpg")
+
+
+@pytest.mark.parametrize("length", [1e-300, 1, 1e300])
+def test_the_pose_does_not_depend_on_the_length_of_up(length):
+    pose = ts.Camera.look_at((0, 0, 5), (0, 0, 0), (length, 0, 0)).pose
+    assert pose.tolist() == [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]]

@@ -6,6 +6,12 @@ import * as program from "./program.js";
 import * as state from "./state.js";
 import { currentCamera, pivot } from "./view/wish.js";
 
+/** Whether the last pass of a picture in the pane's size is shown. */
+function isFinal({ painted, size }: state.Pane): boolean {
+  const { complete, width, height } = painted.peek() ?? {};
+  return complete === true && width === size.peek()[0] && height === size.peek()[1];
+}
+
 function report() {
   const shown = documents.active();
   const { line, column, endLine, endColumn } = state.caret.peek();
@@ -61,14 +67,14 @@ function report() {
       samples: painted?.samples ?? 0,
       tilesDone: progress?.tiles_done ?? 0,
       tilesTotal: progress?.tiles_total ?? 0,
-      final: painted?.complete ?? false,
+      final: isFinal(state.main),
       stale: job?.stale !== undefined,
     },
     panes: state.panes.slice(0, state.paneCount.peek()).map((pane) => ({
       side: pane.side.peek() ?? null,
       size: pane.size.peek(),
       camera: currentCamera(pane) ?? null,
-      final: pane.painted.peek()?.complete ?? false,
+      final: isFinal(pane),
       version: pane.painted.peek()?.version ?? 0,
       serial: pane.painted.peek()?.serial ?? 0,
     })),
