@@ -5,6 +5,7 @@
 
 #include "proto/tessera/v1/scene.pb.h"
 #include "proto/wire/blob_store.h"
+#include "renderer/math/vec.h"
 
 namespace tessera {
 
@@ -22,6 +23,15 @@ struct MeshData {
   size_t vertex_count() const { return positions.size() / 3; }
   size_t triangle_count() const { return triangles.size() / 3; }
 };
+
+/// The three numbers from `at` on.
+inline Vec3 vec_at(const std::vector<float>& rows, size_t at) {
+  return {rows[at], rows[at + 1], rows[at + 2]};
+}
+inline void put_vec(const Vec3& vec, std::vector<float>& rows, size_t at) {
+  for (int axis = 0; axis < 3; ++axis)
+    rows[at + static_cast<size_t>(axis)] = static_cast<float>(vec[axis]);
+}
 
 // What stands for numbers that are not finite, which other programs export now and then: each
 // returns how many it found.

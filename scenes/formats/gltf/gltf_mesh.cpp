@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/file.h"
+#include "base/plural.h"
 #include "scenes/formats/gltf/gltf_draco.h"
 #include "scenes/mesh/mesh_data.h"
 #include "scenes/mesh/vertex_colors.h"
@@ -57,6 +58,20 @@ void limit_colors(const GltfValue& reference, std::vector<float>& colors) {
   }
   if (odd)
     reference.repair(fmt::format("a component of {}", *odd), "0 to 1", "the nearest one is taken");
+}
+
+/// Sets tangents to 0 that lie along their normals; how many say nothing, those that were 0 too.
+size_t clear_useless_tangents(const std::vector<float>& normals, std::vector<float>& tangents) {
+  constexpr double kLeastSine = 1e-6;
+  size_t useless = 0;
+  for (size_t vertex = 0; vertex < normals.size() / 3; ++vertex) {
+    const Vec3 normal = vec_at(normals, 3 * vertex), tangent = vec_at(tangents, 4 * vertex);
+    const double sine_bound = kLeastSine * length(normal) * length(tangent);
+    if (length(cross(normal, tangent)) > sine_bound) continue;
+    put_vec({}, tangents, 4 * vertex);
+    ++useless;
+  }
+  return useless;
 }
 
 }  // namespace
@@ -396,6 +411,10 @@ std::optional<v1::Node> GltfMeshes::finish(Group& group, const GltfSkin* skin, c
   if (!mesh.tangents.empty()) {
     add_targets("TANGENT", group, mesh.tangents, 4);
     replace_endless(mesh.tangents, 4, 0);
+    if (const size_t useless = clear_useless_tangents(mesh.normals, mesh.tangents); useless > 0)
+      from.tangent.repair(
+          fmt::format("{} of length 0 or along the normal", counted(useless, "tangent")),
+          "directions across the normals", "there they go by the texture coordinates");
   }
   if (group.first > 0)
     for (uint32_t& index : group.corners) index -= group.first;

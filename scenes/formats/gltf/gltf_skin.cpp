@@ -46,15 +46,6 @@ Affine blend(const GltfSkin& skin, const std::vector<GltfInfluences>& influences
   return sum;
 }
 
-Vec3 vec_at(const std::vector<float>& rows, size_t at) {
-  return {rows[at], rows[at + 1], rows[at + 2]};
-}
-
-void put_vec(const Vec3& vec, std::vector<float>& rows, size_t at) {
-  for (int axis = 0; axis < 3; ++axis)
-    rows[at + static_cast<size_t>(axis)] = static_cast<float>(vec[axis]);
-}
-
 /// Of unit length; a vector of no length stays so.
 Vec3 direction(const Vec3& vec) { return length_squared(vec) > 0 ? normalize(vec) : vec; }
 

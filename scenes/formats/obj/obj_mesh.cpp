@@ -9,10 +9,6 @@
 namespace tessera {
 namespace {
 
-Vec3 vec_at(const std::vector<float>& values, size_t index) {
-  return {values[3 * index], values[3 * index + 1], values[3 * index + 2]};
-}
-
 void put_unit(const Vec3& v, float* out) {
   const Vec3 unit = v == Vec3{} ? Vec3{0, 0, 1} : normalize(v);
   for (int a = 0; a < 3; ++a) out[a] = static_cast<float>(unit[a]);
@@ -33,7 +29,7 @@ void ObjMesh::split_flat_faces() {
     bool flat = false;
     for (size_t i = 0; i < 3; ++i) {
       const MeshCorner& corner = vertices_[triangles_[t + i]];
-      p[i] = vec_at(positions, corner.position);
+      p[i] = vec_at(positions, size_t{3} * corner.position);
       flat |= corner.normal == kNoIndex;
     }
     if (!flat) continue;
@@ -59,7 +55,8 @@ std::vector<float> ObjMesh::vertex_normals() const {
     if (!is_generated(triangles_[t])) continue;
     sums.resize(vertices_.size());
     std::array<Vec3, 3> p;
-    for (size_t i = 0; i < 3; ++i) p[i] = vec_at(positions, vertices_[triangles_[t + i]].position);
+    for (size_t i = 0; i < 3; ++i)
+      p[i] = vec_at(positions, size_t{3} * vertices_[triangles_[t + i]].position);
     const Vec3 area = cross(p[1] - p[0], p[2] - p[0]);
     for (size_t i = t; i < t + 3; ++i) {
       Vec3& sum = sums[vertices_.leader(triangles_[i])];
@@ -72,7 +69,8 @@ std::vector<float> ObjMesh::vertex_normals() const {
     if (vertices_[v].normal == kNoIndex)
       put_unit({}, &out[size_t{v} * 3]);
     else
-      put_unit(is_generated(v) ? sums[vertices_.leader(v)] : vec_at(normals, vertices_[v].normal),
+      put_unit(is_generated(v) ? sums[vertices_.leader(v)]
+                               : vec_at(normals, size_t{3} * vertices_[v].normal),
                &out[size_t{v} * 3]);
   }
   return out;

@@ -387,19 +387,35 @@ TEST(Gltf, AMaterialTakesTwoSetsOfTextureCoordinates) {
       << three.warnings[0];
 }
 
+LoadedScene square_with_tangents(const Floats& tangents) {
+  return read(Binary()
+                  .put(kSquare)
+                  .put(Floats{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})
+                  .put(tangents)
+                  .glb(kNode +
+                       mesh(R"({"attributes":{"POSITION":0,"NORMAL":1,"TANGENT":2},"mode":6})") +
+                       R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," +
+                       accessor(1, 5126, 4, "VEC3") + "," + accessor(2, 5126, 4, "VEC4") + "]"));
+}
+
 TEST(Gltf, TangentsAreRead) {
   const Floats tangents{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, -1, 0, 1, 0, -1};
-  const LoadedScene loaded = read(
-      Binary()
-          .put(kSquare)
-          .put(Floats{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})
-          .put(tangents)
-          .glb(kNode + mesh(R"({"attributes":{"POSITION":0,"NORMAL":1,"TANGENT":2},"mode":6})") +
-               R"(,"accessors":[)" + accessor(0, 5126, 4, "VEC3") + "," +
-               accessor(1, 5126, 4, "VEC3") + "," + accessor(2, 5126, 4, "VEC4") + "]"));
+  const LoadedScene loaded = square_with_tangents(tangents);
   const v1::TriangleMesh& in = loaded.scene.nodes(0).shape().mesh();
   EXPECT_EQ(blob_values<float>(in.tangents(), loaded.blobs), tangents);
   EXPECT_EQ(loaded.warnings, std::vector<std::string>{});
+}
+
+TEST(Gltf, TangentsThatSayNothingAreTold) {
+  const LoadedScene loaded =
+      square_with_tangents({0, 1, 0, 1, 0, 0, -3, 1, 0, 0, 0, -1, 0, 1, 0, -1});
+  const v1::TriangleMesh& in = loaded.scene.nodes(0).shape().mesh();
+  EXPECT_EQ(blob_values<float>(in.tangents(), loaded.blobs),
+            (Floats{0, 1, 0, 1, 0, 0, 0, 1, 0, 0, 0, -1, 0, 1, 0, -1}));
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_NE(loaded.warnings[0].find("2 tangents of length 0 or along the normal"),
+            std::string::npos)
+      << loaded.warnings[0];
 }
 
 TEST(Gltf, ListsWhatItDoesNotUse) {
