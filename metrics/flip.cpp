@@ -10,10 +10,18 @@
 
 #include "base/core_count.h"
 #include "base/parallel.h"
+#include "base/targets.h"
 #include "metrics/vector_math.h"
 #include "metrics/weighted_sum.h"
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "metrics/flip.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
+HWY_BEFORE_NAMESPACE();
 namespace tessera {
+namespace HWY_NAMESPACE {
 namespace {
 
 /// Some rows of a picture, one number a pixel.
@@ -85,12 +93,12 @@ inline Color times(const Matrix& m, const Color& v) {
 }
 
 /// What is no number is 0.
-inline float clamped(float v) { return v > 0 ? std::min(v, 1.F) : 0; }
+inline float clamped(float v) { return v > 0 ? smaller(v, 1) : 0; }
 
 /// What CIE L*a*b* takes of each relative XYZ.
 inline float lab_response(float v) {
   constexpr float kDelta = 6.F / 29, kKnee = kDelta * kDelta * kDelta;
-  const float root = cube_root(std::max(v, kKnee)), line = v / (3 * kDelta * kDelta) + 4.F / 29;
+  const float root = cube_root(larger(v, kKnee)), line = v / (3 * kDelta * kDelta) + 4.F / 29;
   return v > kKnee ? root : line;
 }
 
@@ -321,34 +329,39 @@ class FlipFeatures {
 
 constexpr float kColorExponent = .7F;
 
-/// The colour difference raised to .7, its usual range spread over [0, .95]. `greatest`: that of
+/// Of the colour difference raised to .7, its usual range spread over [0, .95]. `greatest`: that of
 /// any two colours.
-inline float color_error(float difference, float greatest) {
+inline float color_error(float error, float greatest) {
   constexpr float kUsualShare = .4F, kUsualTop = .95F;
-  const float usual = kUsualShare * greatest, error = power(difference, kColorExponent);
+  const float usual = kUsualShare * greatest;
   const float below = kUsualTop * error / usual;
   const float above = kUsualTop + (1 - kUsualTop) * (error - usual) / (greatest - usual);
-  return std::clamp(error < usual ? below : above, 0.F, 1.F);
+  return smaller(larger(error < usual ? below : above, 0), 1);
 }
 
-/// Of a row of both pictures.
-void compare_row(const FlipFeatures& a, const FlipFeatures& b, size_t y,
-                 std::vector<float>& errors) {
+/// Of a row of both pictures, in steps that each run for several pixels at a time. `exponents`: a
+/// buffer.
+void compare_row(const FlipFeatures& a, const FlipFeatures& b, size_t y, std::vector<float>& errors,
+                 std::vector<float>& exponents) {
   static const float greatest = power(hyab(lab_of({0, 1, 0}), lab_of({0, 0, 1})), kColorExponent);
   const auto row = [y](const Rows& rows) { return rows.row(y); };
   const float *const a0 = row(a.colors[0]), *const a1 = row(a.colors[1]),
                      *const a2 = row(a.colors[2]), *const b0 = row(b.colors[0]),
                      *const b1 = row(b.colors[1]), *const b2 = row(b.colors[2]);
-  for (size_t x = 0; x < errors.size(); ++x)
-    errors[x] = color_error(hyab({a0[x], a1[x], a2[x]}, {b0[x], b1[x], b2[x]}), greatest);
+  const size_t width = errors.size();
+  float* const error = errors.data();
+  for (size_t x = 0; x < width; ++x) error[x] = hyab({a0[x], a1[x], a2[x]}, {b0[x], b1[x], b2[x]});
+  for (size_t x = 0; x < width; ++x) error[x] = power(error[x], kColorExponent);
+  for (size_t x = 0; x < width; ++x) error[x] = color_error(error[x], greatest);
   const float *const a_edges = row(a.edges), *const a_points = row(a.points),
                      *const b_edges = row(b.edges), *const b_points = row(b.points);
-  for (size_t x = 0; x < errors.size(); ++x) {
+  float* const exponent = exponents.data();
+  for (size_t x = 0; x < width; ++x) {
     const float difference =
-        std::max(std::abs(a_edges[x] - b_edges[x]), std::abs(a_points[x] - b_points[x]));
-    const float features = std::min(std::sqrt(difference / std::numbers::sqrt2_v<float>), 1.F);
-    errors[x] = power(errors[x], 1 - features);
+        larger(std::abs(a_edges[x] - b_edges[x]), std::abs(a_points[x] - b_points[x]));
+    exponent[x] = 1 - smaller(std::sqrt(difference / std::numbers::sqrt2_v<float>), 1);
   }
+  for (size_t x = 0; x < width; ++x) error[x] = power(error[x], exponent[x]);
 }
 
 /// Calls take(y, errors) for each row of the pictures, on several threads.
@@ -369,9 +382,9 @@ void for_each_row(const PictureView& a, const PictureView& b, double pixels_per_
     const size_t begin = band * kBand, end = std::min(height, begin + kBand);
     first.compute(begin, end);
     second.compute(begin, end);
-    std::vector<float> errors(width);
+    std::vector<float> errors(width), exponents(width);
     for (size_t y = begin; y < end; ++y) {
-      compare_row(first, second, y, errors);
+      compare_row(first, second, y, errors, exponents);
       take(y, errors);
     }
   });
@@ -403,4 +416,23 @@ double mean_flip(const PictureView& a, const PictureView& b, const PixelMask& ma
          static_cast<double>(std::accumulate(counted.begin(), counted.end(), size_t{0}));
 }
 
+}  // namespace HWY_NAMESPACE
 }  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tessera {
+
+std::vector<float> flip_map(const PictureView& a, const PictureView& b, double pixels_per_degree) {
+  static const auto best = best_code_of_machine(TESSERA_EACH_TARGET(flip_map));
+  return best(a, b, pixels_per_degree);
+}
+
+double mean_flip(const PictureView& a, const PictureView& b, const PixelMask& mask,
+                 double pixels_per_degree) {
+  static const auto best = best_code_of_machine(TESSERA_EACH_TARGET(mean_flip));
+  return best(a, b, mask, pixels_per_degree);
+}
+
+}  // namespace tessera
+#endif  // HWY_ONCE

@@ -8,10 +8,18 @@
 #include "base/core_count.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/targets.h"
 #include "metrics/vector_math.h"
 #include "metrics/weighted_sum.h"
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "metrics/ssim.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
+HWY_BEFORE_NAMESPACE();
 namespace tessera {
+namespace HWY_NAMESPACE {
 namespace {
 
 constexpr int kRadius = 5;
@@ -125,4 +133,17 @@ double mean_ssim(const PictureView& first, const PictureView& second) {
   return sum / static_cast<double>((width - size + 1) * (height - size + 1));
 }
 
+}  // namespace HWY_NAMESPACE
 }  // namespace tessera
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tessera {
+
+double mean_ssim(const PictureView& first, const PictureView& second) {
+  static const auto best = best_code_of_machine(TESSERA_EACH_TARGET(mean_ssim));
+  return best(first, second);
+}
+
+}  // namespace tessera
+#endif  // HWY_ONCE

@@ -9,6 +9,10 @@ namespace tessera {
 
 // Functions that compilers, unlike those of the C library, make run for several numbers at a time.
 
+/// As std::min and std::max, whose references keep them from that.
+inline float smaller(float a, float b) { return b < a ? b : a; }
+inline float larger(float a, float b) { return a < b ? b : a; }
+
 /// Of a positive number that is not tiny, within two units in the last place.
 inline float cube_root(float v) {
   constexpr uint32_t kThirdOfBias = 0x2a5137a0;
@@ -35,7 +39,7 @@ inline float log2_of(float v) {
 
 /// Of a number between -100 and 100, within 1e-7 of the result.
 inline float exp2_of(float v) {
-  const auto whole = static_cast<int32_t>(v + (v < 0 ? -.5F : .5F));
+  const auto whole = static_cast<int32_t>(v + std::copysign(.5F, v));
   constexpr float kLn2 = .693147181F;
   const float x = (v - static_cast<float>(whole)) * kLn2;
   const float power =
@@ -49,8 +53,8 @@ inline float exp2_of(float v) {
 /// 0^0 is 1.
 inline float power(float base, float exponent) {
   constexpr float kTiny = 1e-30F;
-  const float result = exp2_of(exponent * log2_of(std::max(base, kTiny)));
-  return base > kTiny || exponent == 0 ? result : 0;
+  const float result = exp2_of(exponent * log2_of(larger(base, kTiny)));
+  return result * ((base <= kTiny) & (exponent != 0) ? 0.F : 1.F);  // a choice would be a branch
 }
 
 }  // namespace tessera
