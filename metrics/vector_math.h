@@ -54,7 +54,8 @@ inline float exp2_of(float v) {
 inline float power(float base, float exponent) {
   constexpr float kTiny = 1e-30F;
   const float result = exp2_of(exponent * log2_of(larger(base, kTiny)));
-  return result * ((base <= kTiny) & (exponent != 0) ? 0.F : 1.F);  // a choice would be a branch
+  const bool is_zero = (base <= kTiny) & (exponent != 0);
+  return result * (is_zero ? 0.F : 1.F);  // a choice between two results would be a branch
 }
 
 }  // namespace tessera
