@@ -221,6 +221,8 @@ class SceneJson {
     const size_t start = at_;
     const std::string_view written = scalar("a value");
     const Json parsed = scalar_json(written);
+    if (parsed.is_discarded() && written.starts_with('"'))
+      return note(start, path, written, "a text as JSON writes it");
     if (parsed.is_discarded() && !field) return note(start, path, written, "a value");
     if (parsed.is_number() && std::isinf(parsed.get<double>()))
       return note(start, path, written, "a number that double precision can hold");

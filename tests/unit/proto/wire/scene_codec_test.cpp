@@ -176,6 +176,8 @@ TEST(SceneCodec, SaysWhereValuesOfJsonAreOfAnotherType) {
   EXPECT_EQ(of_sphere("\"center\":1"), "s:2:11: 1; expected the fields of a Vec3 in braces");
   EXPECT_EQ(of_sphere("\"center\":\n{\"\\u0078\":{}}"), "s:3:11: an object; expected a number");
   EXPECT_EQ(of_sphere("\"r\\q\":1"), "s:2:2: \"r\\q\"; expected a text as JSON writes it");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"name\":\"\\q\"}]}"),
+            "s:1:19: \"\\q\"; expected a text as JSON writes it");
   EXPECT_EQ(json_error("{\"nodes\":{}}"), "s:1:10: an object; expected a list in brackets");
   EXPECT_EQ(json_error("{\"nodes\":3}"), "s:1:10: 3; expected a list in brackets");
   EXPECT_EQ(json_error("{\"nodes\":[{\"name\":3}]}"),
