@@ -15,9 +15,6 @@ namespace tessera {
 namespace {
 
 constexpr Time kTick = std::chrono::milliseconds(100);
-/// Of the time for which a job was worked on, so much at most is lost with this process.
-constexpr Time kTimesKept = std::chrono::seconds(1);
-constexpr double kTimesKeptShare = .05;
 
 }  // namespace
 
@@ -216,7 +213,7 @@ void Coordinator::on_tick(Time now) {
   if (!first_tick_) first_tick_ = now;
   jobs_->account(now);
   jobs_->keep_rest();
-  jobs_->keep_times(kTimesKept, kTimesKeptShare);
+  jobs_->keep_times();
   if (jobs_->running().empty()) jobs_->tidy();
   tell_trouble();
   workers_->on_tick(now);
@@ -300,7 +297,7 @@ bool Coordinator::drained() const {
 }
 
 void Coordinator::shut_down(const std::string& reason) {
-  jobs_->keep_times(Time{0}, 0);
+  jobs_->keep_times(true);
   workers_->shut_down(reason);
   clients_->close(reason);
 }

@@ -176,7 +176,7 @@ struct Sensitivity {
 Sensitivity sensitivity(const std::vector<std::pair<double, double>>& terms,
                         double pixels_per_degree) {
   constexpr double kPi = std::numbers::pi, kWidest = .04;
-  // Weights further out would be lost in the sum of floats.
+  // Weights further out change the sum by less than its rounding where all is equally bright.
   constexpr double kLeastWeight = 0x1p-26;
   Sensitivity out;
   std::vector<double> weights;

@@ -262,8 +262,9 @@ py::dict compare(const PicturePointer& first, const PicturePointer& second) {
     });
     const auto light_of = [&](size_t i) -> PictureView {
       const Film& film = *films[i];
+      const bool is_light_alone = film.channels() == kFilmChannels;
       return {film.width(), film.height(),
-              light[i].empty() ? film.values() : std::span<const float>(light[i])};
+              is_light_alone ? film.values() : std::span<const float>(light[i])};
     };
     const PictureView a = light_of(0), b = light_of(1);
     return Comparison{difference_of(a.values, b.values, kFilmChannels, size_t(a.width)),

@@ -259,7 +259,7 @@ bool Job::works(const std::vector<int32_t>& served) const {
 void Job::account(Time now, bool works) {
   meter_.account(now, works ? working_threads() : 0, traced(), tiles_per_frame_ * ends_.size());
   const double seconds = to_seconds(now - std::exchange(counted_until_, now));
-  worker_seconds_ += static_cast<double>(leases()) * seconds;
+  held_seconds_ += static_cast<double>(leases()) * seconds;
 }
 
 double Job::share() const {
@@ -267,12 +267,12 @@ double Job::share() const {
   const auto mean =
       running_.empty() ? std::nullopt : running_.front().active->scheduler().mean_seconds();
   const double weight = std::max<uint32_t>(1, kept_.request().weight());
-  return head_start_ + (worker_seconds_ + held * mean.value_or(kTileSeconds)) / weight;
+  return head_start_ + (held_seconds_ + held * mean.value_or(kTileSeconds)) / weight;
 }
 
 void Job::catch_up(double share) {
   const double weight = std::max<uint32_t>(1, kept_.request().weight());
-  head_start_ = std::max(head_start_, share - worker_seconds_ / weight);
+  head_start_ = std::max(head_start_, share - held_seconds_ / weight);
 }
 
 uint64_t Job::tiles_restored() const {

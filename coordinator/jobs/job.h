@@ -125,7 +125,7 @@ class Job {
   JobProgress progress(Time now, bool works) const;
   /// The seconds for which it was worked on until account() was called last.
   double worked_seconds() const { return meter_.seconds(counted_until_, false); }
-  /// The seconds of threads that its tiles have taken, copies that were not needed apart.
+  /// The seconds of threads that its tiles have taken, without copies.
   double traced_seconds() const { return traced_in_earlier_runs_ + traced().seconds; }
   uint64_t tiles_restored() const;
   size_t leases() const;
@@ -154,7 +154,7 @@ class Job {
   uint64_t tiles_per_frame_ = 0;
   std::deque<Running> running_;
   std::optional<TileCosts> last_costs_;
-  double worker_seconds_ = 0, head_start_ = 0;
+  double held_seconds_ = 0, head_start_ = 0;
   Time counted_until_{};
   bool begun_ = false;
   WorkMeter meter_;

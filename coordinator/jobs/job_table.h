@@ -123,9 +123,9 @@ class JobTable {
   std::string store_trouble() const;
   /// Tries again to keep what the store did not take.
   void keep_rest();
-  /// Keeps how long jobs were worked on, of each for which that is at least so much more than what
-  /// is kept of it, and at least so large a share more.
-  void keep_times(Time least, double least_share);
+  /// Keeps how long jobs were worked on: of each for which a crash would lose a twentieth of that,
+  /// but no less than 1 s and no more than 10, or of `all`.
+  void keep_times(bool all = false);
   /// As JobStore::tidy().
   void tidy() { store_->tidy(); }
 

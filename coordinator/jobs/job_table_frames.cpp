@@ -493,12 +493,12 @@ void JobTable::keep_rest() {
   }
 }
 
-void JobTable::keep_times(Time least, double least_share) {
+void JobTable::keep_times(bool all) {
   try {
     for (const auto& [id, job] : open_) {
       const double kept = job->kept().worked_seconds(), more = job->worked_seconds() - kept;
       if (job->local() || !(more > 0)) continue;
-      if (more < std::max(to_seconds(least), kept * least_share)) continue;
+      if (!all && more < std::clamp(kept / 20, 1., 10.)) continue;
       v1::KeptJob changed = kept_now(*job);
       store_->save(changed);
       job->kept() = std::move(changed);

@@ -42,7 +42,10 @@ std::string short_path(const SceneFault& fault) {
 }
 
 Error fault_error(const SourcePlace& place, const SceneFault& fault) {
-  return scene_error(place, fmt::format("{} {}", short_path(fault), fault.found), fault.expected);
+  // The path is told once.
+  const std::string found =
+      place.file == fault.path ? fault.found : fmt::format("{} {}", short_path(fault), fault.found);
+  return scene_error(place, found, fault.expected);
 }
 
 v1::Scene parse_text(std::string_view text, const std::string& name,
@@ -66,7 +69,7 @@ v1::Scene parse_json(std::string_view text, const std::string& name) {
   v1::Scene scene;
   const auto status =
       pb::util::JsonStringToMessage(pb::StringPiece(text.data(), text.size()), &scene);
-  if (!status.ok()) throw scene_error({name}, std::string(status.message()), "a scene in JSON");
+  if (!status.ok()) throw scene_json_error(name, text, std::string(status.message()));
   return scene;
 }
 

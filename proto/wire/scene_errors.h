@@ -50,5 +50,8 @@ class TextErrors : public google::protobuf::io::ErrorCollector {
 /// does not have, or gives them values of another type: tells all of these up to the first fault of
 /// form.
 void check_scene_json(std::string_view text, const std::string& file);
+/// What protobuf's JSON parser still complains of, such as wrong base64, with its place: messages
+/// begin with the path in parentheses.
+Error scene_json_error(const std::string& file, std::string_view text, std::string_view message);
 
 }  // namespace tessera

@@ -21,8 +21,8 @@ using Json = nlohmann::json;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// A number as JSON writes it, infinite where it is beyond double precision; null where it is none.
-Json number_json(std::string_view written) {
+/// A number as JSON writes it, infinite where double precision does not hold it.
+std::optional<double> number_of(std::string_view written) {
   const std::string_view digits = written.substr(written.starts_with('-') ? 1 : 0);
   const size_t fraction = digits.find('.') + 1;
   const bool is_written_so =
@@ -32,7 +32,7 @@ Json number_json(std::string_view written) {
   double number = 0;
   const char* const end = written.data() + written.size();
   const auto [read, error] = std::from_chars(written.data(), end, number);
-  if (!is_written_so || read != end) return nullptr;
+  if (!is_written_so || read != end) return std::nullopt;
   return error == std::errc::result_out_of_range ? HUGE_VAL : number;
 }
 
@@ -41,27 +41,34 @@ Json scalar_json(std::string_view written) {
   if (written.starts_with('"')) return Json::parse(written, nullptr, false);
   if (written == "null") return nullptr;
   if (written == "true" || written == "false") return written == "true";
-  Json number = number_json(written);
-  return number.is_null() ? Json(Json::value_t::discarded) : number;
+  const auto number = number_of(written);
+  return number ? Json(*number) : Json(Json::value_t::discarded);
 }
 
-/// The number that protobuf takes a value for: texts such as "1.5" and "NaN" too.
-std::optional<double> number_of(const Json& value) {
-  if (value.is_number()) return value.get<double>();
-  if (!value.is_string()) return std::nullopt;
-  const auto& text = value.get_ref<const std::string&>();
-  if (text == "NaN" || text == "Infinity" || text == "-Infinity") return HUGE_VAL;
-  const Json number = number_json(text);
-  return number.is_null() ? std::nullopt : std::optional(number.get<double>());
-}
-
-template <class Integer>
-bool is_integer(const Json& value) {
-  const auto number = number_of(value);
-  // 2^digits, beyond the greatest of the type, is exact.
-  const double end = std::ldexp(1., std::numeric_limits<Integer>::digits);
-  return number && *number == std::trunc(*number) && *number < end &&
-         *number >= (std::is_signed_v<Integer> ? -end : 0);
+/// A number of that type, or one in quotes, as protobuf takes it.
+template <class Number>
+bool is_number(const Json& value) {
+  double number = 0;
+  if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    if (std::is_floating_point_v<Number> &&
+        (text == "NaN" || text == "Infinity" || text == "-Infinity"))
+      return true;
+    Number exact{};
+    const char* const end = text.data() + text.size();
+    const auto [read, error] = std::from_chars(text.data(), end, exact);
+    return error == std::errc{} && read == end;
+  }
+  if (!value.is_number()) return false;
+  number = value.get<double>();
+  if constexpr (std::is_floating_point_v<Number>)
+    return std::abs(number) <= double{std::numeric_limits<Number>::max()};
+  else {
+    // 2^digits, beyond the greatest of the type, is exact.
+    const double end = std::ldexp(1., std::numeric_limits<Number>::digits);
+    return number == std::trunc(number) && number < end &&
+           number >= (std::is_signed_v<Number> ? -end : 0);
+  }
 }
 
 /// Whether `value`, no object and no list, may stand for the field or an element of it.
@@ -74,19 +81,20 @@ bool is_value_of(const pb::FieldDescriptor& field, const Json& value) {
     case pb::FieldDescriptor::CPPTYPE_BOOL:
       return value.is_boolean();
     case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+      return is_number<double>(value);
     case pb::FieldDescriptor::CPPTYPE_FLOAT:
-      return number_of(value).has_value();
+      return is_number<float>(value);
     case pb::FieldDescriptor::CPPTYPE_ENUM:
       return value.is_string() ? field.enum_type()->FindValueByName(value) != nullptr
-                               : is_integer<int32_t>(value);
+                               : is_number<int32_t>(value);
     case pb::FieldDescriptor::CPPTYPE_INT32:
-      return is_integer<int32_t>(value);
+      return is_number<int32_t>(value);
     case pb::FieldDescriptor::CPPTYPE_UINT32:
-      return is_integer<uint32_t>(value);
+      return is_number<uint32_t>(value);
     case pb::FieldDescriptor::CPPTYPE_INT64:
-      return is_integer<int64_t>(value);
+      return is_number<int64_t>(value);
     case pb::FieldDescriptor::CPPTYPE_UINT64:
-      return is_integer<uint64_t>(value);
+      return is_number<uint64_t>(value);
   }
   return false;
 }
@@ -101,13 +109,20 @@ std::string expected_value(const pb::FieldDescriptor& field, const std::string& 
     case pb::FieldDescriptor::CPPTYPE_BOOL:
       return "true or false";
     case pb::FieldDescriptor::CPPTYPE_DOUBLE:
-    case pb::FieldDescriptor::CPPTYPE_FLOAT:
       return "a number";
+    case pb::FieldDescriptor::CPPTYPE_FLOAT:
+      return "a number that single precision can hold";
     case pb::FieldDescriptor::CPPTYPE_ENUM:
       return one_of(value_names(*field.enum_type()), written);
     default:
       return "an integer in the field's range";
   }
+}
+
+/// As a message names it: of what is long the beginning.
+std::string shown(std::string_view written) {
+  constexpr size_t kShown = 60;
+  return std::string(written.substr(0, kShown)) + (written.size() > kShown ? "..." : "");
 }
 
 bool is_list(const pb::FieldDescriptor& field) { return field.is_repeated() && !field.is_map(); }
@@ -222,13 +237,13 @@ class SceneJson {
     const std::string_view written = scalar("a value");
     const Json parsed = scalar_json(written);
     if (parsed.is_discarded() && written.starts_with('"'))
-      return note(start, path, written, "a text as JSON writes it");
+      return note(start, path, shown(written), "a text as JSON writes it");
     if (parsed.is_discarded() && !field) return note(start, path, written, "a value");
     if (parsed.is_number() && std::isinf(parsed.get<double>()))
       return note(start, path, written, "a number that double precision can hold");
     if (!field || parsed.is_null()) return;
     if (field->is_map() || (is_list(*field) && !in_list) || !is_value_of(*field, parsed))
-      tell_type(start, path, written, *field, in_list, parsed);
+      tell_type(start, path, shown(written), *field, in_list, parsed);
   }
 
   void tell_type(size_t at, const std::string& path, std::string_view written,
@@ -246,7 +261,8 @@ class SceneJson {
     if (take(']')) return;
     for (int i = 0;; ++i) {
       skip_space();
-      if (at_ < text_.size() && text_[at_] == '[') fail("a list in a list", "a value");
+      if (at_ < text_.size() && text_[at_] == '[')
+        throw scene_error(json_place(file_, text_, at_, path), "a list in a list", "a value");
       // Protobuf would leave it out, and count the others anew.
       const std::string element = fmt::format("{}[{}]", path, i);
       if (text_.substr(at_).starts_with("null")) note(at_, element, "null", "a value");
@@ -266,27 +282,34 @@ class SceneJson {
     return nullptr;
   }
 
+  void note_twice(size_t at, const std::string& path, const std::string& key) {
+    note(at, path, fmt::format("'{}' is given twice", key), "each field once");
+  }
+
   /// The names and values of a message, of a map, or of nothing that is known.
   void object(const pb::FieldDescriptor* of, const std::string& path, int depth) {
     if (depth == kMaxSceneDepth)
-      fail("values nested too deep", fmt::format("at most {} levels", kMaxSceneDepth));
+      throw scene_error(json_place(file_, text_, at_, path), "values nested too deep",
+                        fmt::format("at most {} levels", kMaxSceneDepth));
     if (of && !of->is_map()) return fields(*of->message_type(), path, depth + 1);
-    entries([&](size_t, const std::string& key) {
+    std::set<std::string> given;
+    entries([&](size_t at, const std::string& key) {
+      if (!given.insert(key).second) note_twice(at, path, key);
       value(of ? of->message_type()->map_value() : nullptr, path + "." + key, depth + 1, false);
     });
   }
 
   void fields(const pb::Descriptor& type, const std::string& path, int depth) {
-    std::set<const void*> given;
+    std::set<const pb::FieldDescriptor*> given;
+    std::set<const pb::OneofDescriptor*> chosen;
     entries([&](size_t at, const std::string& key) {
       const auto* field = field_of(type, key, at, path);
-      if (field && !given.insert(field).second)
-        note(at, path, fmt::format("'{}' is given twice", key), "each field once");
+      const bool is_new = !field || given.insert(field).second;
+      if (!is_new) note_twice(at, path, key);
       skip_space();
-      const auto* kind = field && !text_.substr(at_).starts_with("null")
-                             ? field->real_containing_oneof()
-                             : nullptr;
-      if (kind && !given.insert(kind).second)
+      const bool is_choice = field && is_new && !text_.substr(at_).starts_with("null");
+      const auto* kind = is_choice ? field->real_containing_oneof() : nullptr;
+      if (kind && !chosen.insert(kind).second)
         note(at, path, fmt::format("'{}' beside another of its kind", key), "only one of them");
       const std::string& name = field ? field->name() : key;
       value(field, path.empty() ? name : path + "." + name, depth, false);
@@ -327,6 +350,19 @@ SourcePlace place_in_json(const std::string& file, std::string_view text, const 
   SceneJson json(text, file);
   json.walk(path);
   return json_place(file, text, json.target_offset(), path);
+}
+
+Error scene_json_error(const std::string& file, std::string_view text, std::string_view message) {
+  const size_t close = message.find("): ");
+  if (!message.starts_with('(') || close == message.npos)
+    return scene_error({file}, message, "a scene in JSON");
+  std::string path;
+  for (const char c : message.substr(1, close - 1)) {
+    if (std::isupper(static_cast<unsigned char>(c))) path += '_';
+    path += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return scene_error(place_in_json(file, text, path), shown(message.substr(close + 3)),
+                     "a value of the field's type");
 }
 
 }  // namespace tessera

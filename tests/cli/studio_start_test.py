@@ -152,12 +152,26 @@ class Start(StudioPageTest):
         self.assertEqual("scene", state["camera"]["mode"])
         wait_until(lambda: self.kept_workspace().get("open") == ["one.tessera", "two.tessera"], "what is gone is not kept")
 
+    def open_second(self):
+        """A page that was kept with one open file, and now has two."""
+        for name in ("one.tessera", "two.tessera"):
+            self.scene(name)
+        page = self.begin(scene=False, file="one.tessera")
+        wait_until(lambda: self.kept_workspace().get("open") == ["one.tessera"], "it is kept")
+        page.click_on('.panel-files [role="option"]', "two.tessera")
+        self.until(page, lambda state: state["file"] == "two.tessera", "it is in the editor")
+        return page
+
     def test_what_is_open_comes_back_whenever_the_page_is_loaded_again(self):
-        page = self.begin()
-        for key in ("Down", "Up") * 3:
-            page.press(key)
+        page = self.open_second()
         page.reload()
-        self.until(page, lambda state: state["file"] == "scene.tessera", "it is in the editor again")
+        self.until(page, lambda state: state["file"] == "two.tessera", "it is in the editor again")
+
+    def test_what_is_open_is_kept_while_the_cursor_moves(self):
+        page = self.open_second()
+        page.click_on(".cm-scroller")
+        wait_until(lambda: page.press("Down") or page.press("Up")
+                   or "two.tessera" in self.kept_workspace()["open"], "it is kept")
 
     def test_the_file_that_the_program_is_started_with_is_in_front_of_those_of_before(self):
         for name in ("one.tessera", "two.tessera"):

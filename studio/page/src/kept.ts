@@ -26,10 +26,12 @@ export class Kept<K extends "settings" | "workspace"> {
   /** Has the program keep what changed, a while after the first change, and before the page goes. */
   watch(): void {
     effect(() => {
-      void state.connection.value; // what could not be sent is sent once the program is there again
+      // What may have been lost with the connection is sent once the program is there again.
+      if (state.connection.value === "lost" && this.kept !== undefined) this.kept = "";
       if (this.news() !== undefined) this.due ??= setTimeout(() => this.send(), KEEP_MS);
     });
     window.addEventListener("beforeunload", () => this.send());
+    document.addEventListener("visibilitychange", () => this.send());
   }
 
   private send(): void {

@@ -178,6 +178,14 @@ TEST(SceneCodec, SaysWhereValuesOfJsonAreOfAnotherType) {
   EXPECT_EQ(of_sphere("\"r\\q\":1"), "s:2:2: \"r\\q\"; expected a text as JSON writes it");
   EXPECT_EQ(json_error("{\"nodes\":[{\"name\":\"\\q\"}]}"),
             "s:1:19: \"\\q\"; expected a text as JSON writes it");
+  EXPECT_EQ(of_sphere("\"radius\":\"1e999\""), "s:2:11: \"1e999\"; expected a number");
+  EXPECT_EQ(of_sphere("\"radius\":1,\n\"radius\":2"),
+            "s:3:1: 'radius' is given twice; expected each field once");
+  EXPECT_EQ(json_error("{\"metadata\":{\"properties\":{\"a\":\"1\",\n\"a\":\"2\"}}}"),
+            "s:2:1: 'a' is given twice; expected each field once");
+  EXPECT_EQ(json_error("{\"nodes\":[{\"shape\":{\"sphere\":{},\n\"sphere\":{}}}]}"),
+            "s:2:1: 'sphere' is given twice; expected each field once");
+  EXPECT_EQ(json_error("{\"blobs\":[{\"data\":\n\"?\"}]}").substr(0, 7), "s:2:1: ");
   EXPECT_EQ(json_error("{\"nodes\":{}}"), "s:1:10: an object; expected a list in brackets");
   EXPECT_EQ(json_error("{\"nodes\":3}"), "s:1:10: 3; expected a list in brackets");
   EXPECT_EQ(json_error("{\"nodes\":[{\"name\":3}]}"),
@@ -190,7 +198,7 @@ TEST(SceneCodec, SaysWhereValuesOfJsonAreOfAnotherType) {
             "s:2:1: 1; expected a text in double quotes");
   EXPECT_EQ(json_error("{\"nodes\":[{\"shape\":{\"sphere\":{},\n\"box\":{}}}]}"),
             "s:2:1: 'box' beside another of its kind; expected only one of them");
-  for (const char* width : {"4294967296", "-1", "1.5", "\"1e10\""}) {
+  for (const char* width : {"4294967296", "-1", "1.5", "\"1e1\"", "\"64.0\""}) {
     EXPECT_EQ(json_error(fmt::format("{{\"settings\":{{\"width\":{}}}}}", width)),
               fmt::format("s:1:22: {}; expected an integer in the field's range", width));
   }
